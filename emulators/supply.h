@@ -1,7 +1,4 @@
 // A device's supply: when it comes, and the faults in which there is none.
-//
-// The keys have a short form for the usual case: instants at which the supply fails, all for one
-// length. They fill the same book as faults that are begun during the run.
 #pragma once
 
 #include <variant>
@@ -13,7 +10,7 @@
 namespace rigwire::emulators {
 
 struct NoSupplyFault {
-  static constexpr fields::Named kNamed{"no_supply", "The device has no supply."};
+  static constexpr fields::Named kNamed{"off", "The device has no supply."};
 };
 inline void visit(fields::Visitor&, NoSupplyFault&) {}
 
@@ -26,14 +23,12 @@ inline void visit(fields::Visitor& v, SupplyFault& p) {
 }
 
 struct SupplySettings {
-  Duration power_on{0};        ///< From the start of the run.
-  std::vector<Duration> cuts;  ///< From the start of the run, rising, after power-on.
-  Duration off = std::chrono::milliseconds{500};  ///< How long each cut lasts.
-
-  [[nodiscard]] std::vector<SupplyFault> faults() const;
+  Duration power_on{0};  ///< From the start of the run.
+  std::vector<SupplyFault> faults;
 };
 
-/// The keys of a device that can lose its supply, to be called within the device's visit().
+/// Its keys but the faults, which stand in a list with others of the device; to be called within
+/// the device's visit().
 void visit(fields::Visitor& v, SupplySettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const SupplySettings& settings);

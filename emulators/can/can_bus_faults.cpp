@@ -13,7 +13,7 @@ using fields::in;
 using fields::IntegerRule;
 
 void visit(fields::Visitor& v, BitErrorsFault& p) {
-  v.number("probability", p.probability, in("1").above(0).at_most(0.1),
+  v.number("bit_error_rate", p.bit_error_rate, in("1").above(0).at_most(0.1),
            "Probability with which each bit is turned over.");
 }
 

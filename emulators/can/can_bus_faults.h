@@ -1,9 +1,9 @@
 // What can be made to go wrong on a CAN bus, and when.
 //
 //   faults:
-//     - {type: bit_errors, at: 10 s, for: 5 s, probability: 0.001}
+//     - {type: noise, at: 10 s, for: 5 s, bit_error_rate: 0.001}
 //     - {type: wrong_rate, at: 20 s, for: 5 s, device: imu_boom, bitrate: 500000}
-//     - {type: duplicate_address, at: 30 s, for: 5 s, address: 0x81}
+//     - {type: masquerade, at: 30 s, for: 5 s, address: 0x81}
 //
 // The bit-level consequences are not scripted: a fault changes levels, rates or who is connected,
 // and the nodes' own error handling does the rest (can_bit_level.h).
@@ -21,9 +21,9 @@
 namespace rigwire::emulators {
 
 struct BitErrorsFault {
-  static constexpr fields::Named kNamed{"bit_errors", "Bits are turned over for all nodes."};
+  static constexpr fields::Named kNamed{"noise", "Bits are turned over for all nodes."};
 
-  double probability = 1e-3;
+  double bit_error_rate = 1e-3;
 };
 struct DisturbanceFault {
   static constexpr fields::Named kNamed{"disturbance", "One bit of every frame is turned over."};
@@ -32,7 +32,7 @@ struct DisturbanceFault {
 };
 struct ShortCircuitFault {
   static constexpr fields::Named kNamed{
-      "short_circuit", "CAN_H on CAN_L: whatever is sent, every node reads recessive."};
+      "short", "CAN_H on CAN_L: whatever is sent, every node reads recessive."};
 };
 struct WrongRateFault {
   static constexpr fields::Named kNamed{"wrong_rate", "One node works at another bit rate."};
@@ -41,18 +41,18 @@ struct WrongRateFault {
   std::uint32_t bit_rate_bps = 500'000;
 };
 struct DisconnectedFault {
-  static constexpr fields::Named kNamed{"disconnected", "One node is alone on its stub."};
+  static constexpr fields::Named kNamed{"unplugged", "One node is alone on its stub."};
 
   std::string device;
 };
 struct IntruderFault {
-  static constexpr fields::Named kNamed{"intruder", "Somebody sends a frame again and again."};
+  static constexpr fields::Named kNamed{"inserted", "Somebody sends a frame again and again."};
 
   std::string frame = "000#";  ///< As candump writes it.
   Duration period = std::chrono::milliseconds{10};
 };
 struct DuplicateAddressFault {
-  static constexpr fields::Named kNamed{"duplicate_address",
+  static constexpr fields::Named kNamed{"masquerade",
                                         "Somebody claims a J1939 address that is taken."};
 
   unsigned address = 0x80;

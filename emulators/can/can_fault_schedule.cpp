@@ -50,14 +50,17 @@ CanFaultSchedule::Book::Id CanFaultSchedule::begin(const CanFault& fault) {
   CanController* const node = of_node ? &find_node(fault) : nullptr;
   for (const Book::Entry& entry : book_.list()) {
     const CanFault& other = entry.fault;
-    const SimTime both = std::max(other.when.begin(), fault.when.begin());
+    // Of what comes again or waits, the whole of it.
+    const SimTime both = std::max(other.when.earliest_begin(), fault.when.earliest_begin());
     if (of_node && other.what.index() == fault.what.index() && node_of(other) == node_of(fault) &&
-        other.when.holds(both) && fault.when.holds(both)) {
+        both < std::min(other.when.latest_end(), fault.when.latest_end())) {
       throw std::invalid_argument("CAN bus fault: two of one kind on node '" + node_of(fault) +
                                   "' overlap, allowed is one at a time");
     }
   }
   const Book::Id id = book_.add(fault);
+  std::erase_if(node_faults_, [&](const NodeFault& old) { return !book_.has(old.id); });
+  find_due();
   noise_.add_newest();
   if (of_node) {
     node_faults_.push_back({id, node, cuts ? &stub_of(*node) : nullptr});
@@ -175,17 +178,19 @@ void CanFaultSchedule::change(SimTime now, NodeFault& fault) {
 }
 
 void CanFaultSchedule::intrude(SimTime now, Intruder& intruder) {
-  const SimTime end = book_.find(intruder.id).when.end();
-  if (intruder.next >= end) {
-    intruder.node->configure(now, {.present = false}, bit_rate_bps_);
-    intruder.next = kNever;
+  const FaultPeriod& when = book_.find(intruder.id).when;
+  if (!when.holds(intruder.next)) {
+    if (intruder.node->is_open()) {
+      intruder.node->configure(now, {.present = false}, bit_rate_bps_);
+    }
+    intruder.next = when.next_edge(intruder.next);
     return;
   }
   if (!intruder.node->is_open()) {
     intruder.node->configure(now, {}, bit_rate_bps_);
   }
   intruder.node->send(intruder.next, intruder.frame);
-  intruder.next = std::min(intruder.next + intruder.period, end);
+  intruder.next = std::min(intruder.next + intruder.period, when.next_edge(intruder.next));
 }
 
 }  // namespace rigwire::emulators

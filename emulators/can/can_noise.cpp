@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace rigwire::emulators {
 namespace {
@@ -18,17 +19,34 @@ unsigned bit_from(const CanBitClock& clock, SimTime instant) {
 
 /// Geometric distribution of the good bits between two errors.
 std::uint64_t draw_gap(const BitErrorsFault& errors, RandomBits& random) {
-  const double gap = std::floor(std::log(1.0 - random.uniform()) / std::log1p(-errors.probability));
+  const double gap =
+      std::floor(std::log(1.0 - random.uniform()) / std::log1p(-errors.bit_error_rate));
   return static_cast<std::uint64_t>(std::min(gap, 1e18));
+}
+
+/// The stretch in which it holds that `now` lies in, or the next one before `horizon`; begins at
+/// kNever without one. Of several that lie in one frame the first counts.
+std::pair<SimTime, SimTime> stretch(const FaultPeriod& when, SimTime now, SimTime horizon) {
+  SimTime begin = now;
+  if (when.holds(now)) {
+    begin = when.began(now);
+  } else {
+    do {
+      begin = when.next_edge(begin);
+    } while (begin < horizon && !when.holds(begin));
+    begin = begin < horizon ? begin : kNever;
+  }
+  return {begin, begin == kNever ? kNever : when.next_edge(begin)};
 }
 
 }  // namespace
 
 void CanNoise::add_newest() {
-  const std::size_t entry = book_.list().size() - 1;
-  if (is_of_wire(book_.list()[entry].fault)) {
-    const State state{RandomBits(RandomBits(seed_ + entry).bits()), std::nullopt};
-    sources_.push_back({entry, state, state});
+  std::erase_if(sources_, [this](const Source& source) { return !book_.has(source.id); });
+  const auto& [id, fault] = book_.list().back();
+  if (is_of_wire(fault)) {
+    const State state{RandomBits(RandomBits(seed_ + id - 1).bits()), std::nullopt};
+    sources_.push_back({id, state, state});
   }
 }
 
@@ -50,9 +68,8 @@ CanLineState CanNoise::attempt(const CanBitClock& clock, unsigned bits) {
   CanLineState line;
   for (Source& source : sources_) {
     source.before_attempt = source.state;
-    const CanFault& fault = book_.list()[source.entry].fault;
-    const SimTime begin = fault.when.begin();
-    const SimTime end = fault.when.end();
+    const CanFault& fault = book_.find(source.id);
+    const auto [begin, end] = stretch(fault.when, clock.now(), clock.after(bits));
     if (end <= clock.now() || begin >= std::min(end, clock.after(bits))) {
       continue;
     }

@@ -1,5 +1,5 @@
-// What is wrong with the wire itself, frame by frame: the faults bit_errors, disturbance and
-// short_circuit.
+// What is wrong with the wire itself, frame by frame: the faults noise, disturbance and
+// short.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +30,10 @@ class CanNoise {
  private:
   struct State {
     RandomBits random;
-    std::optional<std::uint64_t> good_bits_left;  ///< bit_errors; nothing: not drawn yet.
+    std::optional<std::uint64_t> good_bits_left;  ///< noise; nothing: not drawn yet.
   };
   struct Source {
-    std::size_t entry;  ///< Of the book.
+    FaultBook<CanFault>::Id id;  ///< Of the book.
     State state;
     State before_attempt;
   };

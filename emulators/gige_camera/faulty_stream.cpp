@@ -10,8 +10,8 @@ FaultyStream::FaultyStream(DatagramOutput& output, const GigeCameraFaults& fault
 
 template <class Fault>
 bool FaultyStream::happens(SimTime now) {
-  const Fault* const fault = faults_.first<Fault>(now);
-  return fault != nullptr && random_.uniform() < fault->probability;
+  const auto fault = faults_.first_grown<Fault>(now);
+  return fault && random_.uniform() < fault->share;
 }
 
 void FaultyStream::send(SimTime due, const UdpEnd& to, std::span<const std::uint8_t> bytes,

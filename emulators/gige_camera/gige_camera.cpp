@@ -621,8 +621,8 @@ Status GigeCamera::trigger() {
   if (!waits) {
     return Status::access_denied;
   }
-  const auto* const lost = faults_.first<LostTriggerFault>(now_);
-  if (lost != nullptr && trigger_faults_.uniform() < lost->probability) {
+  const auto lost = faults_.first_grown<LostTriggerFault>(now_);
+  if (lost && trigger_faults_.uniform() < lost->share) {
     ++counters_.lost_triggers;
   } else {
     acquisition_.trigger(now_);
@@ -796,8 +796,8 @@ void GigeCamera::update(const PictureSample& sample) {
   }
   const bool by_line = on(reg::kTriggerMode) && bank_.word(reg::kTriggerSource) ==
                                                     static_cast<std::uint32_t>(TriggerSource::line);
-  const auto* const lost = faults_.first<LostTriggerFault>(sample.exposure_start);
-  if (by_line && lost != nullptr && trigger_faults_.uniform() < lost->probability) {
+  const auto lost = faults_.first_grown<LostTriggerFault>(sample.exposure_start);
+  if (by_line && lost && trigger_faults_.uniform() < lost->share) {
     ++counters_.lost_triggers;
     return;
   }

@@ -6,27 +6,29 @@ using fields::in;
 
 namespace {
 
-void visit_probability(fields::Visitor& v, double& probability, std::string_view text) {
-  v.number("probability", probability, in("%").above(0).at_most(100), text);
+template <class Fault>
+void visit_share(fields::Visitor& v, Fault& p, std::string_view text) {
+  v.number("share", p.share, in("%").above(0).at_most(100), text);
+  visit_ramp(v, p.ramp);
 }
-constexpr std::string_view kOfEachPacket = "Probability with which it happens to each packet.";
+constexpr std::string_view kOfPackets = "Of the packets, each by itself, to which it happens.";
 
 }  // namespace
 
 void visit(fields::Visitor& v, LostStreamPacketsFault& p) {
-  visit_probability(v, p.probability, kOfEachPacket);
+  visit_share(v, p, kOfPackets);
 }
 
 void visit(fields::Visitor& v, SwappedStreamPacketsFault& p) {
-  visit_probability(v, p.probability, kOfEachPacket);
+  visit_share(v, p, kOfPackets);
 }
 
 void visit(fields::Visitor& v, DuplicatedStreamPacketsFault& p) {
-  visit_probability(v, p.probability, kOfEachPacket);
+  visit_share(v, p, kOfPackets);
 }
 
 void visit(fields::Visitor& v, LostTriggerFault& p) {
-  visit_probability(v, p.probability, "Probability with which it happens to each trigger.");
+  visit_share(v, p, "Of the triggers, each by itself, to which it happens.");
 }
 
 void visit(fields::Visitor& v, OverTemperatureFault& p) {

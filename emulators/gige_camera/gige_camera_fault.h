@@ -2,8 +2,8 @@
 // the sensor's (sim/).
 //
 //   faults:
-//     - {type: lost_packets, at: 10 s, for: 5 s, probability: 1 %}
-//     - {type: frozen_frame, at: 20 s, for: 2 s}
+//     - {type: lost, at: 10 s, for: 5 s, share: 1 %}
+//     - {type: frozen, at: 20 s, for: 2 s}
 //
 // Where several of a type hold at once, the first counts.
 #pragma once
@@ -17,32 +17,43 @@
 namespace rigwire::emulators {
 
 struct LostStreamPacketsFault {
-  static constexpr fields::Named kNamed{"lost_packets", "Packets of the stream are lost."};
+  static constexpr fields::Named kNamed{"lost", "Packets of the stream are lost."};
 
-  double probability = 0.01;  ///< Of each packet, resent ones too.
+  double share = 0.01;  ///< Of each packet, resent ones too.
+  Duration ramp{0};
+
+  void grow(double of_it) { share *= of_it; }
 };
 struct SwappedStreamPacketsFault {
-  static constexpr fields::Named kNamed{"swapped_packets",
+  static constexpr fields::Named kNamed{"swapped",
                                         "Packets of the stream change places with the next."};
 
-  double probability = 0.01;  ///< Of each packet.
+  double share = 0.01;  ///< Of each packet.
+  Duration ramp{0};
+
+  void grow(double of_it) { share *= of_it; }
 };
 struct DuplicatedStreamPacketsFault {
-  static constexpr fields::Named kNamed{"duplicated_packets",
-                                        "Packets of the stream arrive twice."};
+  static constexpr fields::Named kNamed{"repeated", "Packets of the stream arrive twice."};
 
-  double probability = 0.01;  ///< Of each packet.
+  double share = 0.01;  ///< Of each packet.
+  Duration ramp{0};
+
+  void grow(double of_it) { share *= of_it; }
 };
 struct LinkDownFault {
-  static constexpr fields::Named kNamed{"link_down", "Nothing comes in and nothing goes out."};
+  static constexpr fields::Named kNamed{"unplugged", "Nothing comes in and nothing goes out."};
 };
 struct LostTriggerFault {
   static constexpr fields::Named kNamed{"lost_trigger", "Triggers make no exposure."};
 
-  double probability = 1.0;  ///< Of each trigger, by software or by the line.
+  double share = 1.0;  ///< Of each trigger, by software or by the line.
+  Duration ramp{0};
+
+  void grow(double of_it) { share *= of_it; }
 };
 struct FrozenFrameFault {
-  static constexpr fields::Named kNamed{"frozen_frame",
+  static constexpr fields::Named kNamed{"frozen",
                                         "The last picture is sent again, with new time stamps."};
 };
 struct ExposureStuckFault {

@@ -145,8 +145,10 @@ struct Touches {
 /// What a fault does to one transaction; those of registers and of the line act elsewhere.
 struct Add {
   ModbusFaultEffects& effects;
+  const FaultPeriod& when;
+  SimTime now;
 
-  void operator()(const ModbusDelayFault& p) const { effects.delay = p.delay; }
+  void operator()(const ModbusDelayFault& p) const { effects.delay = grown(p, when, now).delay; }
   void operator()(const ModbusExceptionFault& p) const { effects.code = p.code; }
   void operator()(const ModbusSilenceFault&) const { effects.silence = true; }
   void operator()(const ModbusLostAnswerFault&) const { effects.lost_answer = true; }
@@ -172,6 +174,7 @@ struct Add {
 
 void visit(fields::Visitor& v, ModbusDelayFault& p) {
   v.duration("delay", p.delay, {1, 60'000'000'000}, "Delay on top of the line's response delay.");
+  visit_ramp(v, p.ramp);
 }
 
 void visit(fields::Visitor& v, ModbusExceptionFault& p) {
@@ -200,19 +203,23 @@ void visit(fields::Visitor& v, ModbusStuckFault& p) {
 void visit(fields::Visitor& v, ModbusNoiseFault& p) {
   v.number("bit_error_rate", p.bit_error_rate, fields::in("1").above(0).at_most(0.5),
            "Probability with which each bit is turned over.");
+  visit_ramp(v, p.ramp);
+}
+
+void visit(fields::Visitor& v, ModbusFaultScope& p) {
+  v.integer("unit", p.unit, IntegerRule{0, kUnitMaximum},
+            "Unit that it concerns; 0 = every unit of the line.");
+  v.choice("table", p.table, kTables, "Which requests it concerns.");
+  v.integer("first", p.first, IntegerRule{0, 65535},
+            "First address that it concerns, from 0, with a table.");
+  v.integer("last", p.last, IntegerRule{0, 65535}, "Last address that it concerns, included.");
+  v.number("share", p.share, in("%").above(0).at_most(100),
+           "Of the requests, each by itself, that it concerns.");
 }
 
 void visit(fields::Visitor& v, ModbusFault& p) {
   visit(v, p.when);
-  v.integer("unit", p.scope.unit, IntegerRule{0, kUnitMaximum},
-            "Unit that it concerns; 0 = every unit of the line.");
-  v.choice("table", p.scope.table, kTables, "Which requests it concerns.");
-  v.integer("first", p.scope.first, IntegerRule{0, 65535},
-            "First address that it concerns, from 0, with a table.");
-  v.integer("last", p.scope.last, IntegerRule{0, 65535},
-            "Last address that it concerns, included.");
-  v.number("probability", p.scope.probability, in("%").above(0).at_most(100),
-           "Probability with which each request is concerned.");
+  visit(v, p.scope);
   v.required("type");
   v.variant("type", p.what, "Which fault it is.");
 }
@@ -234,16 +241,10 @@ ModbusFaultSchedule::ModbusFaultSchedule(const std::vector<ModbusFault>& faults,
 FaultBook<ModbusFault>::Id ModbusFaultSchedule::begin(const ModbusFault& fault) {
   validate(fault, wire_);
   const auto* stuck = std::get_if<ModbusStuckFault>(&fault.what);
-  std::vector<std::optional<std::uint16_t>> values;
-  if (stuck != nullptr) {
-    values.resize(std::size_t{fault.scope.last} - fault.scope.first + 1);
-    if (stuck->value >= 0) {
-      std::ranges::fill(values, static_cast<std::uint16_t>(stuck->value));
-    }
-  }
   const auto id = book_.add(fault);
-  if (!values.empty()) {
-    stuck_.emplace(id, std::move(values));
+  std::erase_if(stuck_, [this](const auto& kept) { return !book_.has(kept.first); });
+  if (stuck != nullptr) {
+    stuck_[id].values.resize(std::size_t{fault.scope.last} - fault.scope.first + 1);
   }
   return id;
 }
@@ -261,8 +262,8 @@ ModbusFaultEffects ModbusFaultSchedule::effects(SimTime now, std::uint8_t unit,
       return;
     }
     seen = true;
-    if (scope.probability >= 1.0 || random_.uniform() < scope.probability) {
-      std::visit(Add{effects}, fault.what);
+    if (scope.share >= 1.0 || random_.uniform() < scope.share) {
+      std::visit(Add{effects, fault.when, now}, fault.what);
     }
   });
   return effects;
@@ -270,18 +271,23 @@ ModbusFaultEffects ModbusFaultSchedule::effects(SimTime now, std::uint8_t unit,
 
 void ModbusFaultSchedule::hold_stuck(SimTime now, std::uint8_t unit, Table table,
                                      std::uint16_t address, std::span<std::uint16_t> values) {
-  for (auto& [id, memory] : stuck_) {
+  for (auto& [id, stuck] : stuck_) {
     const ModbusFault& fault = book_.find(id);
     const ModbusFaultScope& scope = fault.scope;
     if (!fault.when.holds(now) || (scope.unit != 0 && scope.unit != unit) ||
         scope.table != fault_table(table)) {
       continue;
     }
+    const int told = std::get<ModbusStuckFault>(fault.what).value;
+    if (const SimTime since = fault.when.began(now); stuck.since != since) {
+      stuck.since = since;
+      std::ranges::fill(stuck.values, std::nullopt);
+    }
     for (std::size_t k = 0; k < values.size(); ++k) {
       const std::size_t at = address + k;
       if (at >= scope.first && at <= scope.last) {
-        auto& held = memory[at - scope.first];
-        held = held.value_or(values[k]);
+        auto& held = stuck.values[at - scope.first];
+        held = told >= 0 ? static_cast<std::uint16_t>(told) : held.value_or(values[k]);
         values[k] = *held;
       }
     }
@@ -293,8 +299,8 @@ bool ModbusFaultSchedule::parity_mismatch(SimTime now) const {
 }
 
 void ModbusFaultSchedule::disturb(SimTime now, std::span<std::uint8_t> bytes) {
-  const auto* noise = book_.first<ModbusNoiseFault>(now);
-  if (noise == nullptr) {
+  const auto noise = book_.first_grown<ModbusNoiseFault>(now);
+  if (!noise) {
     return;
   }
   for (std::uint8_t& byte : bytes) {

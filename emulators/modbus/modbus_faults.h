@@ -1,9 +1,9 @@
 // Defects of a Modbus line and of what hangs on it, each for a stretch of the run.
 //
 //   faults:
-//     - {type: delay, at: 10 s, for: 5 s, unit: 1, delay: 300 ms}
+//     - {type: delayed, at: 10 s, for: 5 s, unit: 1, delay: 300 ms}
 //     - {type: exception, at: 20 s, code: busy, table: holding, first: 0, last: 9}
-//     - {type: stuck, at: 30 s, table: input, first: 2, last: 2}
+//     - {type: frozen, at: 30 s, table: input, first: 2, last: 2}
 //
 // A fault concerns the requests to one unit (or all), and if it names registers only the requests
 // that touch one of them. Where several of a kind hold at once, the first counts. Faults of
@@ -41,15 +41,20 @@ struct ModbusFaultScope {
   ModbusFaultTable table = ModbusFaultTable::any;
   std::uint16_t first = 0;
   std::uint16_t last = 65535;  ///< Included.
-  double probability = 1.0;    ///< Of each request, (0, 1].
+  double share = 1.0;          ///< Of the requests, each by itself, (0, 1].
+
+  friend bool operator==(const ModbusFaultScope&, const ModbusFaultScope&) = default;
 };
 
 using ModbusException = protocols::modbus::ExceptionCode;
 
 struct ModbusDelayFault {
-  static constexpr fields::Named kNamed{"delay", "Answers come later."};
+  static constexpr fields::Named kNamed{"delayed", "Answers come later."};
 
   Duration delay = std::chrono::milliseconds(100);
+  Duration ramp{0};
+
+  void grow(double share) { delay = from_seconds(share * to_seconds(delay)); }
 };
 struct ModbusExceptionFault {
   static constexpr fields::Named kNamed{"exception", "An exception instead of the answer."};
@@ -57,10 +62,10 @@ struct ModbusExceptionFault {
   ModbusException code = ModbusException::server_device_failure;
 };
 struct ModbusSilenceFault {
-  static constexpr fields::Named kNamed{"silence", "The unit hears nothing."};
+  static constexpr fields::Named kNamed{"silent", "The unit hears nothing."};
 };
 struct ModbusLostAnswerFault {
-  static constexpr fields::Named kNamed{"lost_answer", "The unit acts, its answer is lost."};
+  static constexpr fields::Named kNamed{"lost", "The unit acts, its answer is lost."};
 };
 struct ModbusJunkFault {
   static constexpr fields::Named kNamed{"junk", "Random bytes right before the answer."};
@@ -79,7 +84,7 @@ struct ModbusTruncatedFault {
   int bytes = 1;
 };
 struct ModbusStuckFault {
-  static constexpr fields::Named kNamed{"stuck", "Registers read the same, whatever happens."};
+  static constexpr fields::Named kNamed{"frozen", "Registers read the same, whatever happens."};
 
   int value = -1;  ///< -1: what was read first.
 };
@@ -104,6 +109,9 @@ struct ModbusNoiseFault {
                                         "rtu, whole line: bits are turned over, both ways."};
 
   double bit_error_rate = 1e-4;
+  Duration ramp{0};
+
+  void grow(double share) { bit_error_rate *= share; }
 };
 struct ModbusParityFault {
   static constexpr ModbusWire kWire = ModbusWire::rtu;
@@ -135,6 +143,8 @@ struct ModbusFault {
                ModbusNoiseFault, ModbusParityFault>
       what;
 };
+/// The keys of the scope.
+void visit(fields::Visitor& v, ModbusFaultScope& p);
 void visit(fields::Visitor& v, ModbusFault& p);
 /// Throws std::invalid_argument when a value is out of range or the fault has no meaning on that
 /// wire.
@@ -184,8 +194,12 @@ class ModbusFaultSchedule {
  private:
   ModbusWire wire_;
   FaultBook<ModbusFault> book_;
-  /// What stuck registers read when they were first read in their fault.
-  std::map<FaultBook<ModbusFault>::Id, std::vector<std::optional<std::uint16_t>>> stuck_;
+  /// What stuck registers read when they were first read since they stick.
+  struct Stuck {
+    SimTime since{};
+    std::vector<std::optional<std::uint16_t>> values;
+  };
+  std::map<FaultBook<ModbusFault>::Id, Stuck> stuck_;
   RandomBits random_;
 };
 

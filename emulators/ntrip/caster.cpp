@@ -38,13 +38,16 @@ bool names_station(std::uint16_t number) {
 
 void visit(fields::Visitor& v, LateCorrectionsFault& p) {
   v.duration("delay", p.delay, {0, 3'600'000'000'000}, "By which frames leave later.");
+  visit_ramp(v, p.ramp);
 }
 void visit(fields::Visitor& v, WrongStationFault& p) {
   v.integer("station", p.station, fields::IntegerRule{0, rtcm3::kGreatestStation},
             "Reference station (DF003) that the observations name.");
 }
 void visit(fields::Visitor& v, CorruptCorrectionsFault& p) {
-  v.number("share", p.share, fields::plain().between(0, 1), "Of the frames.");
+  v.number("share", p.share, fields::in("%").above(0).at_most(100),
+           "Of the frames, each by itself, to which it happens.");
+  visit_ramp(v, p.ramp);
 }
 void visit(fields::Visitor& v, CasterFault& p) {
   visit_fault(v, p);
@@ -117,13 +120,13 @@ void NtripCaster::take_frame(SimTime now, std::size_t mount, std::span<const std
       rtcm3::encode_frame(changed, bytes);
     }
   }
-  if (const auto* corrupt = faults_.first<CorruptCorrectionsFault>(now);
-      corrupt != nullptr && random_.uniform() < corrupt->share) {
+  if (const auto corrupt = faults_.first_grown<CorruptCorrectionsFault>(now);
+      corrupt && random_.uniform() < corrupt->share) {
     const std::uint32_t bit = random_.below(static_cast<std::uint32_t>(bytes.size() * 8));
     bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ 1U << bit % 8);
   }
-  const auto* late = faults_.first<LateCorrectionsFault>(now);
-  const SimTime due = late == nullptr ? now : now + late->delay;
+  const auto late = faults_.first_grown<LateCorrectionsFault>(now);
+  const SimTime due = late ? now + late->delay : now;
   if (due <= now && waiting_.empty()) {
     hand_out(now, mount, bytes);
   } else if (waiting_.size() < kMostWaiting) {

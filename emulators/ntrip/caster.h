@@ -35,12 +35,15 @@
 namespace rigwire::emulators {
 
 struct LateCorrectionsFault {
-  static constexpr fields::Named kNamed{"late", "Frames leave later."};
+  static constexpr fields::Named kNamed{"delayed", "Frames leave later."};
 
   Duration delay = std::chrono::seconds{5};
+  Duration ramp{0};
+
+  void grow(double share) { delay = from_seconds(share * to_seconds(delay)); }
 };
 struct StalledCorrectionsFault {
-  static constexpr fields::Named kNamed{"stalled", "Nothing comes; the connection stays."};
+  static constexpr fields::Named kNamed{"silent", "Nothing comes; the connection stays."};
 };
 struct WrongStationFault {
   static constexpr fields::Named kNamed{
@@ -49,9 +52,12 @@ struct WrongStationFault {
   unsigned station = 4095;
 };
 struct CorruptCorrectionsFault {
-  static constexpr fields::Named kNamed{"corrupt", "A bit of some frames is turned over."};
+  static constexpr fields::Named kNamed{"corrupted", "A bit of some frames is turned over."};
 
   double share = 0.5;
+  Duration ramp{0};
+
+  void grow(double of_it) { share *= of_it; }
 };
 void visit(fields::Visitor& v, LateCorrectionsFault& p);
 inline void visit(fields::Visitor&, StalledCorrectionsFault&) {}

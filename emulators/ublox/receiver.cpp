@@ -266,8 +266,8 @@ void UbloxReceiver::greet(SimTime now) {
 }
 
 void UbloxReceiver::follow_line_noise(SimTime now) {
-  const auto* const noise = faults_.first<UartNoiseFault>(now);
-  quality_.set_bit_error_rate(noise == nullptr ? 0.0 : noise->bit_error_rate);
+  const auto noise = faults_.first_grown<UartNoiseFault>(now);
+  quality_.set_bit_error_rate(noise ? noise->bit_error_rate : 0.0);
 }
 
 void UbloxReceiver::solve(SimTime now) {

@@ -76,6 +76,7 @@ void visit(fields::Visitor& v, WrongLeapSecondFault& p) {
 void visit(fields::Visitor& v, UartNoiseFault& p) {
   v.number("bit_error_rate", p.bit_error_rate, fields::in("1").above(0).at_most(0.5),
            "Probability with which each bit is turned over.");
+  visit_ramp(v, p.ramp);
 }
 
 void visit(fields::Visitor& v, UbloxFault& p) {

@@ -21,8 +21,7 @@ namespace rigwire::emulators {
 
 /// Position, velocity and satellites are repeated.
 struct FrozenFixFault {
-  static constexpr fields::Named kNamed{"frozen_fix",
-                                        "The device repeats its last fix; time goes on."};
+  static constexpr fields::Named kNamed{"frozen", "The device repeats its last fix; time goes on."};
 };
 struct WrongLeapSecondFault {
   static constexpr fields::Named kNamed{"wrong_leap_second", "The device's leap seconds are off."};
@@ -30,10 +29,13 @@ struct WrongLeapSecondFault {
   int seconds = 1;
 };
 struct UartNoiseFault {
-  static constexpr fields::Named kNamed{"uart_noise",
+  static constexpr fields::Named kNamed{"noise",
                                         "Bits of the serial line are turned over, both ways."};
 
   double bit_error_rate = 1e-4;
+  Duration ramp{0};
+
+  void grow(double share) { bit_error_rate *= share; }
 };
 
 inline void visit(fields::Visitor&, FrozenFixFault&) {}
@@ -79,7 +81,7 @@ struct UbloxSettings {
   /// Keeps time, orbits and the saved configuration while the supply is off.
   bool backup_battery = true;
   std::vector<UbloxFault> faults;
-  std::uint64_t noise_seed = 1;  ///< Of uart_noise; the chip's number and its radio follow it, too.
+  std::uint64_t noise_seed = 1;  ///< Of noise; the chip's number and its radio follow it, too.
 };
 
 /// Precondition: the profile is not null; it sets the ranges of `rate` and `baud`.

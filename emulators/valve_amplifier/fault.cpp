@@ -41,9 +41,7 @@ void visit(fields::Visitor& v, AmbientTemperatureDefect& p) {
 }
 
 void visit(fields::Visitor& v, ValveDefect& p) {
-  visit_open_ended(v, p.when);
-  v.required("type");
-  v.variant("type", p.what, "Which fault it is.");
+  visit_fault(v, p);
 }
 
 std::optional<std::size_t> section_of(const ValveDefect& defect) {

@@ -36,10 +36,10 @@ struct SectionDefect {
 void visit(fields::Visitor& v, SectionDefect& p);
 
 struct OpenCoilDefect : SectionDefect {
-  static constexpr fields::Named kNamed{"open_coil", "A wire of a section's coil is broken."};
+  static constexpr fields::Named kNamed{"open", "A wire of a section's coil is broken."};
 };
 struct ShortedCoilDefect : SectionDefect {
-  static constexpr fields::Named kNamed{"short_circuit", "A section's coil is a short circuit."};
+  static constexpr fields::Named kNamed{"short", "A section's coil is a short circuit."};
 };
 struct StuckSpoolDefect : SectionDefect {
   static constexpr fields::Named kNamed{"stuck_spool", "A section's spool stays where it is."};
@@ -48,28 +48,27 @@ struct LostSensorDefect : SectionDefect {
   static constexpr fields::Named kNamed{"sensor_failure", "A section's position is not measured."};
 };
 struct ConnectorOffDefect : SectionDefect {
-  static constexpr fields::Named kNamed{"connector_off",
+  static constexpr fields::Named kNamed{"unplugged",
                                         "Neither coil nor sensor of a section is connected."};
 };
 /// In place of the supply's own voltage.
 struct SupplyVoltageDefect {
-  static constexpr fields::Named kNamed{"supply_voltage", "The supply's voltage is `value`."};
+  static constexpr fields::Named kNamed{"supply", "The supply's voltage is `value`."};
 
   double value_v = 0.0;
 };
 /// In place of that of the driver's surroundings.
 struct AmbientTemperatureDefect {
-  static constexpr fields::Named kNamed{"ambient_temperature",
-                                        "The temperature around the driver is `value`."};
+  static constexpr fields::Named kNamed{"ambient", "The temperature around the driver is `value`."};
 
   double value_c = 0.0;
 };
 void visit(fields::Visitor& v, SupplyVoltageDefect& p);
 void visit(fields::Visitor& v, AmbientTemperatureDefect& p);
 
-/// What happens to the amplifier and its surroundings, by default to the end of the run.
+/// What happens to the amplifier and its surroundings.
 struct ValveDefect {
-  FaultPeriod when{.at = Duration{0}, .length = std::nullopt};
+  FaultPeriod when;
   std::variant<OpenCoilDefect, ShortedCoilDefect, StuckSpoolDefect, LostSensorDefect,
                ConnectorOffDefect, SupplyVoltageDefect, AmbientTemperatureDefect>
       what;

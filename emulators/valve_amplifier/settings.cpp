@@ -122,7 +122,6 @@ void visit(fields::Visitor& v, ValveAmplifierSettings& p) {
            "Share of full travel by which a measured position may miss its set point.");
   v.duration("spool_fault_delay", p.spool_fault_delay, {0, 60'000'000'000},
              "A spool outside its tolerance for this long is fault 5; 0 = never.");
-  v.list("faults", p.defects, "What happens to coils, spools, sensors, supply, surroundings.");
 }
 
 void validate(const ValveAmplifierSettings& settings) {
@@ -134,6 +133,7 @@ void validate(const ValveAmplifierSettings& settings) {
   check("under_voltage", settings.electronics.under_voltage_v, 0.0,
         settings.electronics.supply_voltage_v, "V");
   for (const ValveDefect& defect : settings.defects) {
+    fields::check(defect);
     check_section(defect, settings.sections.size());
   }
 }

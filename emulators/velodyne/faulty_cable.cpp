@@ -11,8 +11,8 @@ FaultyCable::FaultyCable(ByteOutput& output, const VelodyneFaults& faults, std::
 
 template <class Fault>
 bool FaultyCable::happens(SimTime now) {
-  const Fault* const fault = faults_.first<Fault>(now);
-  return fault != nullptr && random_.uniform() < fault->probability;
+  const auto fault = faults_.first_grown<Fault>(now);
+  return fault && random_.uniform() < fault->share;
 }
 
 void FaultyCable::send(SimTime due, std::span<const std::uint8_t> bytes) {

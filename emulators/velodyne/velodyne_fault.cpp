@@ -7,23 +7,25 @@ using fields::IntegerRule;
 
 namespace {
 
-void visit_probability(fields::Visitor& v, double& probability) {
-  v.number("probability", probability, in("%").above(0).at_most(100),
-           "Probability with which it happens to each packet.");
+template <class Fault>
+void visit_share(fields::Visitor& v, Fault& p) {
+  v.number("share", p.share, in("%").above(0).at_most(100),
+           "Of the packets, each by itself, to which it happens.");
+  visit_ramp(v, p.ramp);
 }
 
 }  // namespace
 
 void visit(fields::Visitor& v, LostPacketsFault& p) {
-  visit_probability(v, p.probability);
+  visit_share(v, p);
 }
 
 void visit(fields::Visitor& v, SwappedPacketsFault& p) {
-  visit_probability(v, p.probability);
+  visit_share(v, p);
 }
 
 void visit(fields::Visitor& v, DuplicatedPacketsFault& p) {
-  visit_probability(v, p.probability);
+  visit_share(v, p);
 }
 
 void visit(fields::Visitor& v, DeadLaserFault& p) {
@@ -39,11 +41,13 @@ void visit(fields::Visitor& v, DirtyWindowFault& p) {
            "Azimuth at which the dirt ends; may lie beyond 0.");
   v.number("transmission", p.transmission, in("%").between(0, 100),
            "Share of the light that passes the dirt, one way.");
+  visit_ramp(v, p.ramp);
 }
 
 void visit(fields::Visitor& v, ClockOffsetFault& p) {
   v.number("offset", p.offset_s, in("s").between(-3600, 3600),
            "How far the timestamps are off; not 0.");
+  visit_ramp(v, p.ramp);
 }
 
 void visit(fields::Visitor& v, HourOverrunFault& p) {

@@ -2,8 +2,8 @@
 // the air does to the beams is the weather's (sim/weather/weather.h).
 //
 //   faults:
-//     - {type: lost_packets, at: 10 s, for: 5 s, probability: 1 %}
-//     - {type: dirty_window, at: 20 s, for: 60 s, from: 40 deg, to: 60 deg, transmission: 20 %}
+//     - {type: lost, at: 10 s, for: 5 s, share: 1 %}
+//     - {type: dirt, at: 20 s, for: 60 s, from: 40 deg, to: 60 deg, transmission: 20 %}
 //
 // Where several of a type hold at once, the first counts; of dead lasers and dirt all.
 #pragma once
@@ -18,20 +18,29 @@
 namespace rigwire::emulators {
 
 struct LostPacketsFault {
-  static constexpr fields::Named kNamed{"lost_packets", "Packets are lost on the way."};
+  static constexpr fields::Named kNamed{"lost", "Packets are lost on the way."};
 
-  double probability = 0.01;  ///< Of each packet of either port.
+  double share = 0.01;  ///< Of each packet of either port.
+  Duration ramp{0};
+
+  void grow(double of_it) { share *= of_it; }
 };
 struct SwappedPacketsFault {
-  static constexpr fields::Named kNamed{"swapped_packets",
+  static constexpr fields::Named kNamed{"swapped",
                                         "Data packets change places with their successors."};
 
-  double probability = 0.01;  ///< Of each data packet.
+  double share = 0.01;  ///< Of each data packet.
+  Duration ramp{0};
+
+  void grow(double of_it) { share *= of_it; }
 };
 struct DuplicatedPacketsFault {
-  static constexpr fields::Named kNamed{"duplicated_packets", "Packets arrive twice."};
+  static constexpr fields::Named kNamed{"repeated", "Packets arrive twice."};
 
-  double probability = 0.01;  ///< Of each packet of either port.
+  double share = 0.01;  ///< Of each packet of either port.
+  Duration ramp{0};
+
+  void grow(double of_it) { share *= of_it; }
 };
 struct DeadLaserFault {
   static constexpr fields::Named kNamed{"dead_laser", "Some lasers see nothing."};
@@ -40,11 +49,14 @@ struct DeadLaserFault {
   int last = 0;   ///< Included.
 };
 struct DirtyWindowFault {
-  static constexpr fields::Named kNamed{"dirty_window", "Dirt on a sector of the window."};
+  static constexpr fields::Named kNamed{"dirt", "Dirt on a sector of the window."};
 
   double from_deg = 0.0;      ///< Azimuth, clockwise; the sector may contain 0.
   double to_deg = 10.0;       ///< Not `from_deg`; 0 and 360 are all round.
   double transmission = 0.5;  ///< Of light, one way.
+  Duration ramp{0};
+
+  void grow(double share) { transmission = 1.0 - share * (1.0 - transmission); }
 };
 struct MotorStallFault {
   static constexpr fields::Named kNamed{"motor_stall", "The rotor runs down."};
@@ -61,9 +73,12 @@ struct SentenceLossFault {
   static constexpr fields::Named kNamed{"sentence_loss", "No sentence arrives."};
 };
 struct ClockOffsetFault {
-  static constexpr fields::Named kNamed{"clock_offset", "Timestamps are off."};
+  static constexpr fields::Named kNamed{"wrong_time", "Timestamps are off."};
 
   double offset_s = 1.0;
+  Duration ramp{0};
+
+  void grow(double share) { offset_s *= share; }
 };
 struct HourOverrunFault {
   static constexpr fields::Named kNamed{"hour_overrun",

@@ -140,7 +140,7 @@ void apply_optical_defects(const VelodyneFaults& faults, const LidarPattern& pat
     if (const auto* dead = std::get_if<DeadLaserFault>(&fault.what)) {
       kill_lasers(*dead, lasers, bank);
     } else if (const auto* dirt = std::get_if<DirtyWindowFault>(&fault.what)) {
-      dim_sector(*dirt, pattern, reference_range_m, lasers, bank);
+      dim_sector(grown(*dirt, fault.when, bank.time), pattern, reference_range_m, lasers, bank);
     }
   });
 }
@@ -438,7 +438,7 @@ void VelodyneLidar::send_position(SimTime due) {
 
 std::uint32_t VelodyneLidar::microseconds_of_hour(SimTime instant) const {
   std::int64_t hour_ns = clock_.hour_ns(instant);
-  if (const auto* fault = faults_.first<ClockOffsetFault>(instant)) {
+  if (const auto fault = faults_.first_grown<ClockOffsetFault>(instant)) {
     hour_ns = (hour_ns + from_seconds(fault->offset_s).count() + kHour_ns) % kHour_ns;
   }
   if (const auto* fault = faults_.first<HourOverrunFault>(instant);

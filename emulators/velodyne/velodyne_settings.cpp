@@ -83,7 +83,7 @@ struct FaultCheck {
   void operator()(const DirtyWindowFault& fault) const {
     if (fault.from_deg == fault.to_deg) {
       refuse(
-          "dirty_window to is where it begins, allowed: any other azimuth; 0 and 360 are all "
+          "dirt to is where it begins, allowed: any other azimuth; 0 and 360 are all "
           "round");
     }
   }
@@ -97,7 +97,7 @@ struct FaultCheck {
   }
   void operator()(const ClockOffsetFault& fault) const {
     if (fault.offset_s == 0.0) {
-      refuse("clock_offset offset is 0, which is no offset");
+      refuse("wrong_time offset is 0, which is no offset");
     }
   }
   void operator()(const FactoryBytesFault&) const {

@@ -78,6 +78,33 @@ def test_a_fault_of_the_file_acts_in_its_window(rig: Rig) -> None:
     assert not rig.read().faults
 
 
+def test_a_fault_of_the_rig_waits_for_the_machine(
+    tmp_path: Path, start_rig: Callable[..., Rig]
+) -> None:
+    (tmp_path / "still").mkdir()
+    still = start_rig(write_rig(tmp_path / "still"))
+    still.run_until(0.1)
+    lifted = still.read().machine["boom"] + 1.0
+    path = write_rig(tmp_path)
+    when = f"{{quantity: boom, above: true, value: {lifted}}}"
+    text = f"faults: [{{on: gnss, type: outage, for: 1 s, when: {when}}}]\n"
+    path.write_text(path.read_text(encoding="utf-8") + text, encoding="utf-8")
+    rig = start_rig(path)
+    rig.run_until(1.0)
+    waiting = next(fault for fault in rig.faults() if fault.type == "outage")
+    assert waiting.begin_ns is None
+    assert not rig.read().faults
+    rig.set(boom=0.8)
+    there = rig.wait("boom", above=lifted)
+    rig.step(0.1)
+    (begun,) = [fault for fault in rig.faults() if fault.type == "outage"]
+    assert begun.begin_ns is not None
+    assert begun.begin_ns * 1e-9 == pytest.approx(there, abs=0.005)
+    assert [acting.type for acting in rig.read().faults] == ["outage"]
+    rig.step(1.0)
+    assert not rig.read().faults
+
+
 def test_what_is_not_possible_says_what_is(rig: Rig) -> None:
     rig.run_until(1.0)
     with pytest.raises(Refused, match="later than 1 s"):

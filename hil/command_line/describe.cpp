@@ -17,6 +17,7 @@
 #include "hil/files/dbc_node_file.h"
 #include "hil/files/dbc_node_table.h"
 #include "hil/files/valve_map_file.h"
+#include "hil/rig/fault_list.h"
 #include "hil/rig/rig_configuration.h"
 #include "protocols/dbc/dbc_writer.h"
 
@@ -281,9 +282,26 @@ int eds_verb(const RigArguments& arguments, const std::string& device, Terminal 
   return static_cast<int>(ExitCode::done);
 }
 
+namespace {
+
+/// The rig's own keys, and its list of faults, which no structure of the configuration holds.
+std::string schema_of_rig() {
+  auto rig = nlohmann::ordered_json::parse(schema_of(RigConfiguration{}, "Rigwire: a rig"));
+  auto fault = nlohmann::ordered_json::parse(schema_of(ListedFault{}, "A fault"));
+  fault.erase("$schema");
+  fault["additionalProperties"] = true;  // those of its kind
+  rig["properties"]["faults"] = {
+      {"description", "Faults of devices, buses and lines (`rigwire list faults`)."},
+      {"type", "array"},
+      {"items", fault}};
+  return rig.dump(2) + "\n";
+}
+
+}  // namespace
+
 int schema_verb(const std::string& of, Terminal terminal) {
   if (of == "rig") {
-    terminal.out << schema_of(RigConfiguration{}, "Rigwire: a rig");
+    terminal.out << schema_of_rig();
   } else if (of == "machine") {
     terminal.out << schema_of(MachineConfiguration{}, "Rigwire: a machine");
   } else if (of == "scene") {

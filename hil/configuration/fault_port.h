@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -30,6 +31,7 @@ class FaultPort {
   /// Gives a fault its keys; one without `at` begins at `soonest`. False: they are none, and
   /// whoever gave them has been told.
   using Fill = std::function<bool(const fields::Part& fault, SimTime soonest)>;
+  using StreamOf = std::function<std::uint64_t(const std::string& name, Duration at)>;
 
   virtual ~FaultPort() = default;
 
@@ -37,12 +39,24 @@ class FaultPort {
   [[nodiscard]] virtual std::vector<fields::Named> kinds() const = 0;
   /// One more fault, filled by `fill`. nullopt where that says so. Throws std::invalid_argument for
   /// a fault that cannot be acted out here, or whose beginning is over.
-  virtual std::optional<Id> begin(SimTime now, const Fill& fill) = 0;
+  /// `stream_of` is the seed of what is drawn for it (fault_stream()).
+  virtual std::optional<Id> begin(SimTime now, const Fill& fill, const StreamOf& stream_of) = 0;
+  /// What one waited for has come true: it begins at `at`, or as soon as it can, under the number
+  /// that is returned. nullopt: it would be over by then.
+  virtual std::optional<Id> meet(Id id, SimTime now, SimTime at) = 0;
   /// From `now` on, or as soon as it can, it holds no longer, begun or not. False: there is none of
   /// that number, or it is over.
   virtual bool end(Id id, SimTime now) = 0;
-  /// In the order of their numbers, also what is over. `where` is left empty.
+  /// In the order of their numbers, also what is over, as far as it is remembered. `where` is left
+  /// empty.
   [[nodiscard]] virtual std::vector<std::pair<Id, FaultWindow>> list() const = 0;
+  /// What those wait for that wait.
+  struct Waiting {
+    Id id;
+    FaultCondition condition;
+    SimTime from{};  ///< Not before.
+  };
+  [[nodiscard]] virtual std::vector<Waiting> waiting() const = 0;
 };
 
 /// How the faults of one list are acted out. What is empty is done as said.
@@ -68,18 +82,35 @@ class FaultPortOf final : public FaultPort {
 
   [[nodiscard]] std::vector<fields::Named> kinds() const override { return fault_kinds<Fault>(); }
 
-  std::optional<Id> begin(SimTime now, const Fill& fill) override {
+  std::optional<Id> begin(SimTime now, const Fill& fill, const StreamOf& stream_of) override {
     const SimTime soonest = acts_.soonest ? acts_.soonest(now) : now;
     Fault fault;
     if (!fill(fields::Part::of(fault), soonest)) {
       return std::nullopt;
     }
-    if (fault.when.begin() < soonest) {
+    if (fault.when.earliest_begin() < soonest) {
       throw std::invalid_argument(fmt::format("at: found {}, allowed {} and later",
                                               fields::print_duration(fault.when.at.count()),
                                               fields::print_duration((soonest - kStart).count())));
     }
     fields::check(fault);
+    fault.when.ordered = now;
+    fault.when.stream = stream_of(name_of(fault), fault.when.at);
+    acts_.begin(fault);
+    return book_.add(std::move(fault));
+  }
+
+  std::optional<Id> meet(Id id, SimTime now, SimTime at) override {
+    Fault fault = book_.find(id);
+    const SimTime begin = std::max(at, acts_.soonest ? acts_.soonest(now) : now);
+    // Another one in its place: what waited never began.
+    end(id, now);
+    fault.when.when = {};
+    fault.when.at = begin - kStart;
+    fault.when.ordered = now;
+    if (fault.when.end() <= begin) {
+      return std::nullopt;
+    }
     acts_.begin(fault);
     return book_.add(std::move(fault));
   }
@@ -92,16 +123,26 @@ class FaultPortOf final : public FaultPort {
   [[nodiscard]] std::vector<std::pair<Id, FaultWindow>> list() const override {
     std::vector<std::pair<Id, FaultWindow>> all;
     for (const auto& [id, fault] : book_.list()) {
-      all.push_back({id,
-                     {{},
-                      acts_.name ? acts_.name(fault) : kind_name(fault),
-                      fault.when.begin(),
-                      fault.when.end()}});
+      all.emplace_back(id, fault_window({}, name_of(fault), fault.when));
+    }
+    return all;
+  }
+
+  [[nodiscard]] std::vector<Waiting> waiting() const override {
+    std::vector<Waiting> all;
+    for (const auto& [id, fault] : book_.list()) {
+      if (fault.when.waits()) {
+        all.push_back({id, fault.when.when, fault.when.earliest_begin()});
+      }
     }
     return all;
   }
 
  private:
+  [[nodiscard]] std::string name_of(const Fault& fault) const {
+    return acts_.name ? acts_.name(fault) : kind_name(fault);
+  }
+
   FaultActs<Fault> acts_;
   FaultBook<Fault> book_;
 };

@@ -2,6 +2,7 @@
 // report.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -20,6 +21,8 @@ struct FaultWindow {
   std::string type;   ///< As in the rig's file: "jamming"; of a node on a bus with its name.
   SimTime begin{};    ///< It acts in [begin, end).
   SimTime end{};      ///< kNever: to the end of the run.
+  /// Condition that it waits for: "boom_angle above 0.5". It has no beginning then (kNever).
+  std::string waits_for{};
 
   [[nodiscard]] bool acts_at(SimTime now) const { return begin <= now && now < end; }
 
@@ -43,31 +46,42 @@ template <class Fault>
   return std::string(fields::chosen_name(fault.what));
 }
 
-/// The windows of a list of faults; `name(fault)` is what each is called.
+[[nodiscard]] FaultWindow fault_window(std::string_view where, std::string name,
+                                       const FaultPeriod& when);
+
+/// Seed of what is drawn for the probability of a fault: of that one alone, whatever others there
+/// are.
+[[nodiscard]] std::uint64_t fault_stream(std::uint64_t seed, std::string_view where,
+                                         std::string_view name, Duration at);
+
+/// Is shown a fault of a configuration, whatever it is: when it acts, which it may change, and what
+/// it is called.
+using FaultEar = std::function<void(FaultPeriod& when, const std::string& name)>;
+
+/// Shows a list of faults; `name(fault)` is what each is called.
 template <class Fault, class Name>
-[[nodiscard]] std::vector<FaultWindow> fault_windows(const std::vector<Fault>& faults,
-                                                     std::string_view where, const Name& name) {
-  std::vector<FaultWindow> windows;
-  for (const Fault& fault : faults) {
-    windows.push_back({std::string(where), name(fault), fault.when.begin(), fault.when.end()});
+void show_faults(std::vector<Fault>& faults, const FaultEar& take, const Name& name) {
+  for (Fault& fault : faults) {
+    take(fault.when, name(fault));
   }
-  return windows;
 }
 template <class Fault>
-[[nodiscard]] std::vector<FaultWindow> fault_windows(const std::vector<Fault>& faults,
-                                                     std::string_view where) {
-  return fault_windows(faults, where, kind_name<Fault>);
+void show_faults(std::vector<Fault>& faults, const FaultEar& take) {
+  show_faults(faults, take, kind_name<Fault>);
 }
 
 // A list of faults in a rig's file that are acted out in several places: the signals' and the
 // device's of a satellite receiver.
 
-template <class First, class Second>
+template <class... Variants>
 struct EitherOf;
-template <class... First, class... Second>
-struct EitherOf<std::variant<First...>, std::variant<Second...>> {
-  using Type = std::variant<First..., Second...>;
+template <class... All>
+struct EitherOf<std::variant<All...>> {
+  using Type = std::variant<All...>;
 };
+template <class... First, class... Second, class... More>
+struct EitherOf<std::variant<First...>, std::variant<Second...>, More...>
+    : EitherOf<std::variant<First..., Second...>, More...> {};
 
 template <class What, class Variant>
 inline constexpr bool kIsAlternative = false;
@@ -75,16 +89,22 @@ template <class What, class... All>
 inline constexpr bool kIsAlternative<What, std::variant<All...>> = (std::is_same_v<What, All> ||
                                                                     ...);
 
-/// A fault of one of two kinds.
-template <class First, class Second>
+/// A fault of one of these.
+template <class... Fault>
 struct MixedFault {
   FaultPeriod when;
-  typename EitherOf<decltype(First::what), decltype(Second::what)>::Type what;
+  typename EitherOf<decltype(Fault::what)...>::Type what;
 };
 
-template <class First, class Second>
-void visit(fields::Visitor& v, MixedFault<First, Second>& p) {
+template <class... Fault>
+void visit(fields::Visitor& v, MixedFault<Fault...>& p) {
   visit_fault(v, p);
+}
+
+/// The kinds of all of them.
+template <class... Fault>
+[[nodiscard]] std::vector<fields::Named> mixed_kinds(const std::vector<MixedFault<Fault...>>&) {
+  return fault_kinds<Fault...>();
 }
 
 /// Those of the list that are of kind `Fault`, in its order.

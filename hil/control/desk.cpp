@@ -45,10 +45,17 @@ Json json_of(const DeviceStatus& device) {
 }
 
 Json json_of(const FaultWindow& fault) {
-  return {{"where", fault.where},
-          {"type", fault.type},
-          {"begin_ns", nanoseconds(fault.begin)},
-          {"end_ns", fault.end == kNever ? Json(nullptr) : Json(nanoseconds(fault.end))}};
+  const auto instant = [](SimTime time) {
+    return time == kNever ? Json(nullptr) : Json(nanoseconds(time));
+  };
+  Json json{{"where", fault.where},
+            {"type", fault.type},
+            {"begin_ns", instant(fault.begin)},
+            {"end_ns", instant(fault.end)}};
+  if (!fault.waits_for.empty()) {
+    json["waits_for"] = printable(fault.waits_for);
+  }
+  return json;
 }
 
 Json json_of(const RigFaults::Numbered& fault) {
@@ -422,7 +429,9 @@ void Desk::act(const FaultListCommand&, const Answer& answer) {
   for (const RigFaults::Numbered& fault : run_.faults.list()) {
     faults.push_back(json_of(fault));
   }
-  done(answer, {{"targets", std::move(targets)}, {"faults", std::move(faults)}});
+  done(answer, {{"targets", std::move(targets)},
+                {"faults", std::move(faults)},
+                {"forgotten", run_.faults.forgotten()}});
 }
 
 void Desk::act(const EventsCommand& command, const Answer& answer) {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "emulators/device.h"
 #include "emulators/nonvolatile_memory.h"
@@ -18,6 +19,7 @@
 #include "emulators/valve_amplifier/fault.h"
 #include "fields/visitor.h"
 #include "hil/devices/device.h"
+#include "hil/devices/node_faults.h"
 #include "hil/devices/site.h"
 #include "hil/devices/valve_source.h"
 #include "hil/executive/station.h"
@@ -51,26 +53,71 @@ template <class Settings>
   }
 }
 
+/// When a fault holds, as that clock shows it.
+[[nodiscard]] inline FaultPeriod in_own_time(const emulators::OwnClock& clock, FaultPeriod when) {
+  when.at = clock.own_time(when.at);
+  when.until = when.until ? std::optional(clock.own_time(*when.until)) : std::nullopt;
+  return when;
+}
 /// What acts on a device from outside at instants of the run, as its own clock shows them.
 template <class Settings>
 [[nodiscard]] Settings in_own_time(const emulators::OwnClock& clock, Settings settings) {
   if constexpr (requires { settings.supply; }) {
-    for (Duration& cut : settings.supply.cuts) {
-      cut = clock.own_time(cut);
+    for (emulators::SupplyFault& fault : settings.supply.faults) {
+      fault.when = in_own_time(clock, fault.when);
     }
   }
   if constexpr (requires { settings.amplifier; }) {
     for (emulators::ValveDefect& defect : settings.amplifier.defects) {
-      defect.when.at = clock.own_time(defect.when.at);
+      defect.when = in_own_time(clock, defect.when);
     }
   }
   if constexpr (requires { settings.faults; }) {
     for (auto& fault : settings.faults) {
-      fault.when.at = clock.own_time(fault.when.at);
+      fault.when = in_own_time(clock, fault.when);
     }
   }
   return settings;
 }
+
+/// The backend that a station gives its samples to, with faults laid over them.
+template <class Backend>
+class FaultyUpdate : public Backend {
+ public:
+  using Sample = typename Backend::Sample;
+
+  /// `backend` must outlive it.
+  FaultyUpdate(Backend& backend, const NodeFaults<Sample>& faults, std::uint64_t seed)
+      : backend_(backend), faults_(faults, seed) {}
+
+  void update(const Sample& sample) override {
+    Sample seen = sample;
+    faults_.lay_over(seen);
+    backend_.update(seen);
+  }
+  [[nodiscard]] NodeSamples<Sample>& faults() { return faults_; }
+
+ protected:
+  [[nodiscard]] const Backend& backend() const { return backend_; }
+
+ private:
+  Backend& backend_;
+  NodeSamples<Sample> faults_;
+};
+template <class Backend>
+class FaultyBackend final : public FaultyUpdate<Backend> {
+ public:
+  using FaultyUpdate<Backend>::FaultyUpdate;
+};
+/// Of a device that commands something.
+template <Commands Backend>
+class FaultyBackend<Backend> final : public FaultyUpdate<Backend> {
+ public:
+  using FaultyUpdate<Backend>::FaultyUpdate;
+  [[nodiscard]] const typename Backend::Command& command() const override {
+    return this->backend().command();
+  }
+};
 
 /// `Backend` is the face of the emulator that takes its samples (emulators/backends.h). It lives on
 /// a clock of its own (emulators/own_clock.h), drawn from the streams "<name>/clock" and, for the
@@ -78,19 +125,22 @@ template <class Settings>
 template <class Emulator, class Backend>
 class CanDeviceOf : public Device {
  public:
+  using Faults = NodeFaults<typename Backend::Sample>;
+
   /// The emulator is made of `settings`, `arguments` and the node's output.
   template <class Settings, class... Arguments>
   CanDeviceOf(Site& site, const std::string& bus, const emulators::OwnClockSettings& clock,
-              const Settings& settings, const Arguments&... arguments)
-      : CanDeviceOf(
-            Clocked{site, bus, clock, asked<Emulator>(kSamplePeriod, settings, arguments...)},
-            nullptr, settings, arguments...) {}
+              const Faults& faults, const Settings& settings, const Arguments&... arguments)
+      : CanDeviceOf(Clocked{site, bus, clock, faults,
+                            asked<Emulator>(kSamplePeriod, settings, arguments...)},
+                    nullptr, settings, arguments...) {}
   /// For an emulator that remembers: it is made of settings, memory and output.
   template <class Settings>
   CanDeviceOf(Site& site, const std::string& bus, const emulators::OwnClockSettings& clock,
-              const Settings& settings, NodeMemory memory)
-      : CanDeviceOf(Clocked{site, bus, clock, asked_with_memory<Emulator>(kSamplePeriod, settings)},
-                    std::move(memory), settings) {}
+              const Faults& faults, const Settings& settings, NodeMemory memory)
+      : CanDeviceOf(
+            Clocked{site, bus, clock, faults, asked_with_memory<Emulator>(kSamplePeriod, settings)},
+            std::move(memory), settings) {}
 
   /// Once, after construction.
   [[nodiscard]] StationIndex enlist(Executive& executive) { return executive.add(station_); }
@@ -119,6 +169,7 @@ class CanDeviceOf : public Device {
     Site& site;
     const std::string& bus;
     const emulators::OwnClockSettings& clock;
+    const Faults& faults;
     Duration sample_period;
   };
 
@@ -129,13 +180,23 @@ class CanDeviceOf : public Device {
         clock_(drawn_clock_error(at.clock, at.site.stream_seed("clock")), supplied_from(settings),
                at.sample_period),
         node_(bus_.add_node(own_statistics())),
-        output_(clock_, at.clock.jitter, at.site.stream_seed("clock/jitter"), node_),
+        frames_(at.faults.frames, at.site.stream_seed("faults/frames"), node_),
+        output_(clock_, at.clock.jitter, at.site.stream_seed("clock/jitter"), frames_),
         memory_(std::move(memory)),
         emulator_(made(settings, arguments...)),
         on_own_clock_(clock_, emulator_),
-        station_(on_own_clock_, on_own_clock_) {
+        samples_(on_own_clock_, at.faults, at.site.stream_seed("faults/samples")),
+        station_(on_own_clock_, samples_) {
     bus_.attach(node_, on_own_clock_);
     offer_faults(settings);
+    offer(make_fault_port(at.faults.frames, acted_by<emulators::FrameFault>(frames_)));
+    if constexpr (requires { at.faults.samples; }) {
+      if (at.faults.of_samples) {
+        offer(make_fault_port(
+            at.faults.samples,
+            acted_by<emulators::SampleFault<typename Backend::Sample>>(samples_.faults())));
+      }
+    }
   }
 
   template <class Settings>
@@ -150,7 +211,7 @@ class CanDeviceOf : public Device {
       offer(make_fault_port(settings.faults, acted_on_own_clock<Fault>(emulator_.faults())));
     }
     if constexpr (requires { settings.supply; }) {
-      offer(make_fault_port(settings.supply.faults(),
+      offer(make_fault_port(settings.supply.faults,
                             acted_on_own_clock<emulators::SupplyFault>(emulator_.supply())));
     }
   }
@@ -158,7 +219,7 @@ class CanDeviceOf : public Device {
   template <class Fault, class Actor>
   [[nodiscard]] FaultActs<Fault> acted_on_own_clock(Actor& actor) const {
     return {[this, &actor](Fault fault) {
-              fault.when.at = clock_.own_time(fault.when.at);
+              fault.when = in_own_time(clock_, fault.when);
               actor.begin(fault);
             },
             [this, &actor](std::uint32_t id, SimTime now) {
@@ -180,10 +241,12 @@ class CanDeviceOf : public Device {
   RigCan& bus_;
   emulators::OwnClock clock_;
   emulators::FrameOutput& node_;
+  emulators::FaultyFrames frames_;
   emulators::OwnClockOutput output_;
   NodeMemory memory_;  ///< Null when the emulator has none.
   Emulator emulator_;
   emulators::OnOwnClock<Emulator, Backend> on_own_clock_;
+  FaultyBackend<Backend> samples_;
   StationOf<Backend> station_;
 };
 
@@ -194,10 +257,20 @@ class CanDeviceOf : public Device {
   };
 }
 
+/// The settings with those faults of the list that the emulator acts out itself.
+template <class Settings, class Mixed>
+[[nodiscard]] Settings with_supply_faults(Settings settings, const std::vector<Mixed>& faults) {
+  settings.supply.faults = those_of<emulators::SupplyFault>(faults);
+  return settings;
+}
+
 /// The keys of every device on a CAN bus.
-inline void visit_node(fields::Visitor& v, std::string& bus, emulators::OwnClockSettings& clock) {
+template <class Fault>
+void visit_node(fields::Visitor& v, std::string& bus, emulators::OwnClockSettings& clock,
+                std::vector<Fault>& faults) {
   v.text("bus", bus, "Name of the rig's bus that the device is on.");
   v.section("clock", clock, "The device's own clock: how far it runs from the true one.");
+  v.list("faults", faults, "What goes wrong with the device, and when.");
 }
 
 /// "can NAME at 250000 bit/s, WHO".

@@ -28,9 +28,9 @@ using DbcNodeDevice = CanDeviceOf<DbcNode<Backend>, Backend>;
 class DbcValvesDevice final : public DbcNodeDevice<emulators::ValveBackend> {
  public:
   DbcValvesDevice(Site& site, const std::string& bus, const emulators::OwnClockSettings& clock,
-                  const emulators::DbcNodeSettings& settings,
+                  const Faults& faults, const emulators::DbcNodeSettings& settings,
                   const std::vector<std::string>& sections)
-      : CanDeviceOf(site, bus, clock, settings),
+      : CanDeviceOf(site, bus, clock, faults, settings),
         source_(emulator(), sections, valve_port(site.world().machine()).actuators()) {}
   [[nodiscard]] const ValveSource* valves() const override { return &source_; }
 
@@ -115,7 +115,7 @@ void visit(fields::Visitor& v, AttachedToVehicle& p) {
 }
 
 void DbcNodeConfiguration::visit(fields::Visitor& v) {
-  visit_node(v, bus, clock);
+  visit_node(v, bus, clock, faults);
   v.required("file");
   v.file("file", file, fields::FileKind::dbc_node, "Its binding (docs/your-own-can-device.md).");
   v.integer("source_address", source_address, IntegerRule{0, kAddressOfBinding},
@@ -124,7 +124,6 @@ void DbcNodeConfiguration::visit(fields::Visitor& v) {
       "attached", [this](fields::Visitor& w) { w.variant("type", attached, "To what."); },
       "What of the machine it measures and moves.");
   emulators::visit(v, supply);
-  v.list("faults", faults, "What goes wrong with the device, and when.");
 }
 
 void DbcNodeConfiguration::validate() const {
@@ -153,7 +152,8 @@ void DbcNodeConfiguration::validate() const {
 DbcNodeDescription DbcNodeConfiguration::description() const {
   DbcNodeDescription device = load_dbc_node(file);
   device.settings.supply = supply;
-  device.settings.faults = faults;
+  device.settings.supply.faults = those_of<emulators::SupplyFault>(faults);
+  device.settings.faults = those_of<emulators::DbcNodeFault>(faults);
   if (device.settings.claim && source_address != kAddressOfBinding) {
     device.settings.claim->source_address = source_address;
   }
@@ -173,14 +173,12 @@ void DbcNodeConfiguration::check(const std::string& at, RigCheck& check) const {
   std::visit(CheckAttached{at, check}, attached);
 }
 
-std::vector<FaultWindow> DbcNodeConfiguration::fault_windows(std::string_view name) const {
-  std::vector<FaultWindow> windows = hil::fault_windows(faults, name);
-  std::ranges::copy(hil::fault_windows(supply.faults(), name), std::back_inserter(windows));
-  return windows;
+void DbcNodeConfiguration::each_fault(const FaultEar& take) {
+  show_faults(faults, take);
 }
 
 std::vector<fields::Named> DbcNodeConfiguration::fault_kinds() const {
-  return hil::fault_kinds<emulators::DbcNodeFault, emulators::SupplyFault>();
+  return mixed_kinds(faults);
 }
 
 DevicePlan DbcNodeConfiguration::plan(const RigView& rig) const {
@@ -227,10 +225,11 @@ std::unique_ptr<Device> DbcNodeConfiguration::make(Site& site) const {
           return device;
         };
         if constexpr (std::is_same_v<Attached, AttachedToValves>) {
-          return attach(std::make_unique<DbcValvesDevice>(site, bus, clock, settings, to.sections));
+          return attach(std::make_unique<DbcValvesDevice>(
+              site, bus, clock, node_faults<ValveSample>(faults), settings, to.sections));
         } else {
           return attach(std::make_unique<DbcNodeDevice<typename Attached::Backend>>(
-              site, bus, clock, settings));
+              site, bus, clock, node_faults<typename Attached::Backend::Sample>(faults), settings));
         }
       },
       attached);

@@ -15,6 +15,7 @@
 #include "fields/visitor.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/devices/mounting.h"
+#include "hil/devices/node_faults.h"
 #include "hil/files/dbc_node_file.h"
 #include "hil/world/shapes.h"
 #include "sim/gnss/gnss_parameters.h"
@@ -92,12 +93,12 @@ struct DbcNodeConfiguration final : DeviceConfigurationOf<DbcNodeConfiguration> 
                AttachedToPowerUnit, AttachedToVehicle>
       attached;
   emulators::SupplySettings supply;
-  std::vector<emulators::DbcNodeFault> faults;
+  std::vector<NodeFault<NoSample, emulators::DbcNodeFault, emulators::SupplyFault>> faults;
 
   void visit(fields::Visitor& v) override;
   void validate() const override;
   void check(const std::string& at, RigCheck& check) const override;
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override;
+  void each_fault(const FaultEar& take) override;
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override;
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;

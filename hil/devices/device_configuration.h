@@ -69,8 +69,8 @@ class DeviceConfiguration {
   virtual void validate() const = 0;
   /// How it fits into the rig; `at` is "devices.gnss".
   virtual void check(const std::string& at, RigCheck& check) const = 0;
-  /// What goes wrong with it, and when: the faults among its keys. `name` is its own in its rig.
-  [[nodiscard]] virtual std::vector<FaultWindow> fault_windows(std::string_view name) const = 0;
+  /// Shows the faults among its keys.
+  virtual void each_fault(const FaultEar& take) = 0;
   /// What can go wrong with it, also while it runs, as its ports tell (device.h). What depends on
   /// the rig, a line of its own, is as the defaults have it.
   [[nodiscard]] virtual std::vector<fields::Named> fault_kinds() const = 0;

@@ -36,10 +36,11 @@ emulators::EngineControllerSettings settings_on(emulators::EngineControllerSetti
 struct EngineControllerConfiguration final : DeviceConfigurationOf<EngineControllerConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
+  std::vector<NodeFault<PowerUnitSample>> faults;
   emulators::EngineControllerSettings engine;
 
   void visit(fields::Visitor& v) override {
-    visit_node(v, bus, clock);
+    visit_node(v, bus, clock, faults);
     emulators::visit(v, engine);
   }
 
@@ -53,10 +54,10 @@ struct EngineControllerConfiguration final : DeviceConfigurationOf<EngineControl
     }
   }
 
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
-    return {};
+  void each_fault(const FaultEar& take) override { show_faults(faults, take); }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
+    return mixed_kinds(faults);
   }
-  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override { return {}; }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     return j1939_plan(rig, bus, engine.source_address, bus_share({})->frames_hz,
@@ -92,7 +93,8 @@ struct EngineControllerConfiguration final : DeviceConfigurationOf<EngineControl
 
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
     auto device = std::make_unique<EngineControllerDevice>(
-        site, bus, clock, settings_on(engine, site.world().machine().power_unit_port()));
+        site, bus, clock, node_faults<PowerUnitSample>(faults),
+        settings_on(engine, site.world().machine().power_unit_port()));
     site.world().add(
         make_world_power_unit(device->enlist(site.executive()), site.world().machine()));
     return device;

@@ -363,8 +363,8 @@ void GigeCameraConfiguration::check(const std::string& at, RigCheck& check) cons
               camera.serial_number);
 }
 
-std::vector<FaultWindow> GigeCameraConfiguration::fault_windows(std::string_view name) const {
-  return hil::fault_windows(camera.faults, name);
+void GigeCameraConfiguration::each_fault(const FaultEar& take) {
+  show_faults(camera.faults, take);
 }
 
 std::vector<fields::Named> GigeCameraConfiguration::fault_kinds() const {

@@ -35,7 +35,7 @@ struct GigeCameraConfiguration final : DeviceConfigurationOf<GigeCameraConfigura
   void visit(fields::Visitor& v) override;
   void validate() const override;
   void check(const std::string& at, RigCheck& check) const override;
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override;
+  void each_fault(const FaultEar& take) override;
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override;
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;

@@ -74,9 +74,7 @@ struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration
     check_corrections(sensor.corrections.kind, false, "gnss-base");
   }
   void check(const std::string& /*at*/, RigCheck& /*check*/) const override {}
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
-    return hil::fault_windows(faults, name);
-  }
+  void each_fault(const FaultEar& take) override { show_faults(faults, take); }
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
     return hil::fault_kinds<sim::GnssFault>();
   }

@@ -28,13 +28,14 @@ using InclinometerDevice = CanDeviceOf<emulators::Inclinometer, emulators::ImuBa
 struct InclinometerConfiguration final : DeviceConfigurationOf<InclinometerConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
+  std::vector<NodeFault<ImuSample, emulators::SupplyFault>> faults;
   MountConfiguration mount;
   emulators::InclinometerSettings inclinometer;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.
   sim::ImuParameters sensor;  ///< Its accelerometer; the gyroscope is not used.
 
   void visit(fields::Visitor& v) override {
-    visit_node(v, bus, clock);
+    visit_node(v, bus, clock, faults);
     emulators::visit(v, inclinometer);
     v.file("settings_file", settings_file, fields::FileKind::memory,
            "What a client saved, for the next run; empty: as long as the run.");
@@ -50,11 +51,9 @@ struct InclinometerConfiguration final : DeviceConfigurationOf<InclinometerConfi
     check.canopen_node(at, bus, inclinometer.node.node_id);
   }
 
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
-    return hil::fault_windows(inclinometer.supply.faults(), name);
-  }
+  void each_fault(const FaultEar& take) override { show_faults(faults, take); }
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
-    return hil::fault_kinds<emulators::SupplyFault>();
+    return mixed_kinds(faults);
   }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
@@ -97,8 +96,9 @@ struct InclinometerConfiguration final : DeviceConfigurationOf<InclinometerConfi
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
     emulators::InclinometerSettings on_bus = inclinometer;
     on_bus.node.bit_rate_bps = site.bus(bus).bus().settings().bit_rate_bps;
-    auto device = std::make_unique<InclinometerDevice>(site, bus, clock, on_bus,
-                                                       open_settings(settings_file));
+    auto device = std::make_unique<InclinometerDevice>(
+        site, bus, clock, node_faults<ImuSample>(faults), with_supply_faults(on_bus, faults),
+        open_settings(settings_file));
     mount_inertial_unit(site, device->enlist(site.executive()), mount, sensor, {});
     return device;
   }

@@ -22,8 +22,8 @@ namespace {
 class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, emulators::ValveBackend> {
  public:
   IsoValvesDevice(Site& site, const std::string& bus, const emulators::OwnClockSettings& clock,
-                  const emulators::IsoValveSettings& settings)
-      : CanDeviceOf(site, bus, clock, settings),
+                  const Faults& faults, const emulators::IsoValveSettings& settings)
+      : CanDeviceOf(site, bus, clock, faults, settings),
         source_(emulator(), settings.amplifier.sections,
                 valve_port(site.world().machine()).actuators()) {}
   [[nodiscard]] const ValveSource* valves() const override { return &source_; }
@@ -36,25 +36,31 @@ class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, emulators
 struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
+  std::vector<NodeFault<ValveSample, emulators::ValveDefect>> faults;
   emulators::IsoValveSettings valves;
 
   void visit(fields::Visitor& v) override {
-    visit_node(v, bus, clock);
+    visit_node(v, bus, clock, faults);
     emulators::visit(v, valves);
   }
 
-  void validate() const override { emulators::validate(valves); }
+  void validate() const override {
+    emulators::IsoValveSettings settings = valves;
+    settings.amplifier.defects = those_of<emulators::ValveDefect>(faults);
+    emulators::validate(settings);
+  }
 
   void check(const std::string& at, RigCheck& check) const override {
     check.j1939_node(at, bus, valves.source_address, valves.serial);
     check.valve_block(at, valves.amplifier.sections);
   }
 
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
-    return valve_fault_windows(valves.amplifier, name);
+  void each_fault(const FaultEar& take) override {
+    show_faults(faults, take,
+                [this](const auto& fault) { return valve_fault_name(fault, valves.amplifier); });
   }
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
-    return hil::fault_kinds<emulators::ValveDefect>();
+    return mixed_kinds(faults);
   }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
@@ -94,7 +100,10 @@ struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfigurati
   }
 
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
-    auto device = std::make_unique<IsoValvesDevice>(site, bus, clock, valves);
+    emulators::IsoValveSettings settings = valves;
+    settings.amplifier.defects = those_of<emulators::ValveDefect>(faults);
+    auto device = std::make_unique<IsoValvesDevice>(site, bus, clock,
+                                                    node_faults<ValveSample>(faults), settings);
     site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine(),
                                        valves.amplifier.sections));
     return device;

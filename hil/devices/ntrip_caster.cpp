@@ -69,9 +69,7 @@ struct NtripCasterConfiguration final : DeviceConfigurationOf<NtripCasterConfigu
       check.base_station(fmt::format("{}.mounts.{}.from", at, i), mounts[i].from, "");
     }
   }
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
-    return hil::fault_windows(caster.faults, name);
-  }
+  void each_fault(const FaultEar& take) override { show_faults(caster.faults, take); }
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
     return hil::fault_kinds<emulators::CasterFault>();
   }

@@ -29,6 +29,7 @@ using OpenImuDevice = CanDeviceOf<emulators::OpenImu, emulators::ImuBackend>;
 struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
+  std::vector<NodeFault<ImuSample, emulators::SupplyFault>> faults;
   MountConfiguration mount;
   emulators::OpenImuSettings imu;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.
@@ -41,7 +42,7 @@ struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceCon
   }
 
   void visit(fields::Visitor& v) override {
-    visit_node(v, bus, clock);
+    visit_node(v, bus, clock, faults);
     emulators::visit(v, imu);
     v.file("settings_file", settings_file, fields::FileKind::memory,
            "What a client saved, for the next run; empty: as long as the run.");
@@ -59,11 +60,9 @@ struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceCon
     check.j1939_node(at, bus, imu.source_address, imu.serial);
   }
 
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
-    return hil::fault_windows(imu.supply.faults(), name);
-  }
+  void each_fault(const FaultEar& take) override { show_faults(faults, take); }
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
-    return hil::fault_kinds<emulators::SupplyFault>();
+    return mixed_kinds(faults);
   }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
@@ -107,8 +106,9 @@ struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceCon
   }
 
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
-    auto device =
-        std::make_unique<OpenImuDevice>(site, bus, clock, imu, open_settings(settings_file));
+    auto device = std::make_unique<OpenImuDevice>(site, bus, clock, node_faults<ImuSample>(faults),
+                                                  with_supply_faults(imu, faults),
+                                                  open_settings(settings_file));
     mount_inertial_unit(site, device->enlist(site.executive()), mount, sensor, magnetometer);
     return device;
   }

@@ -295,9 +295,7 @@ void ReplayConfiguration::check(const std::string& at, RigCheck& check) const {
       break;
   }
 }
-std::vector<FaultWindow> ReplayConfiguration::fault_windows(std::string_view /*name*/) const {
-  return {};
-}
+void ReplayConfiguration::each_fault(const FaultEar& /*take*/) {}
 
 DevicePlan ReplayConfiguration::plan(const RigView& rig) const {
   const std::string where = wire == ReplayWire::pty   ? "pty " + port_list(path, ports)

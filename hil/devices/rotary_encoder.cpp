@@ -17,7 +17,7 @@ using EncoderDevice = CanDeviceOf<emulators::RotaryEncoder, emulators::EncoderBa
 }  // namespace
 
 void EncoderConfiguration::visit(fields::Visitor& v) {
-  visit_node(v, bus, clock);
+  visit_node(v, bus, clock, faults);
   hil::visit(v, joint);
   emulators::visit(v, encoder);
   v.file("settings_file", settings_file, fields::FileKind::memory,
@@ -33,12 +33,12 @@ void EncoderConfiguration::check(const std::string& at, RigCheck& check) const {
   check.canopen_node(at, bus, encoder.node.node_id);
 }
 
-std::vector<FaultWindow> EncoderConfiguration::fault_windows(std::string_view name) const {
-  return hil::fault_windows(encoder.supply.faults(), name);
+void EncoderConfiguration::each_fault(const FaultEar& take) {
+  show_faults(faults, take);
 }
 
 std::vector<fields::Named> EncoderConfiguration::fault_kinds() const {
-  return hil::fault_kinds<emulators::SupplyFault>();
+  return mixed_kinds(faults);
 }
 
 DevicePlan EncoderConfiguration::plan(const RigView& rig) const {
@@ -76,8 +76,9 @@ std::optional<std::string> EncoderConfiguration::electronic_data_sheet() const {
 std::unique_ptr<Device> EncoderConfiguration::make(Site& site) const {
   emulators::RotaryEncoderSettings on_bus = encoder;
   on_bus.node.bit_rate_bps = site.bus(bus).bus().settings().bit_rate_bps;
-  auto device =
-      std::make_unique<EncoderDevice>(site, bus, clock, on_bus, open_settings(settings_file));
+  auto device = std::make_unique<EncoderDevice>(
+      site, bus, clock, node_faults<EncoderSample>(faults), with_supply_faults(on_bus, faults),
+      open_settings(settings_file));
   mount_encoder(site, device->enlist(site.executive()), joint);
   return device;
 }

@@ -3,11 +3,13 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "emulators/canopen/rotary_encoder.h"
 #include "emulators/own_clock.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/devices/mounting.h"
+#include "hil/devices/node_faults.h"
 
 namespace rigwire::hil {
 
@@ -15,6 +17,7 @@ namespace rigwire::hil {
 struct EncoderConfiguration final : DeviceConfigurationOf<EncoderConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
+  std::vector<NodeFault<EncoderSample, emulators::SupplyFault>> faults;
   JointConfiguration joint;
   emulators::RotaryEncoderSettings encoder;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.
@@ -22,7 +25,7 @@ struct EncoderConfiguration final : DeviceConfigurationOf<EncoderConfiguration> 
   void visit(fields::Visitor& v) override;
   void validate() const override;
   void check(const std::string& at, RigCheck& check) const override;
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override;
+  void each_fault(const FaultEar& take) override;
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override;
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;

@@ -210,8 +210,8 @@ void StarFireConfiguration::check(const std::string& at, RigCheck& check) const 
   check.link(at + ".mount.link", mount.link);
 }
 
-std::vector<FaultWindow> StarFireConfiguration::fault_windows(std::string_view name) const {
-  return hil::fault_windows(faults, name);
+void StarFireConfiguration::each_fault(const FaultEar& take) {
+  show_faults(faults, take);
 }
 
 std::vector<fields::Named> StarFireConfiguration::fault_kinds() const {

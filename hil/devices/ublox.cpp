@@ -93,7 +93,7 @@ class UbloxDevice final : public Device,
     auto stream = std::make_unique<UsbSerialStream>(
         site.io(), bus, emulators::ublox_usb(configuration.receiver.profile->generation),
         site.name());
-    offer(begin_plug_faults(configuration.unplugged, bus, stream->socket()));
+    offer(begin_plug_faults(those_of<PlugFault>(configuration.faults), bus, stream->socket()));
     return stream;
   }
 
@@ -185,9 +185,6 @@ void UbloxConfiguration::visit(fields::Visitor& v) {
   v.section("mount", mount, "Where on the machine the antenna sits.");
   v.section("sensor", sensor, "How well it knows where it is.");
   v.list("faults", faults, "What goes wrong with the device, and when.");
-  v.only_if(wire == SerialWire::usb, "wire", "wire: usb", [this](fields::Visitor& w) {
-    w.list("unplugged", unplugged, "When the plug is out.");
-  });
 }
 
 void UbloxConfiguration::validate() const {
@@ -200,6 +197,12 @@ void UbloxConfiguration::validate() const {
 void UbloxConfiguration::check(const std::string& at, RigCheck& check) const {
   if (wire == SerialWire::pty) {
     check.port_paths(at, path, ports);
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+      if (std::holds_alternative<UnpluggedFault>(faults[i].what)) {
+        check.report(fmt::format("{}.faults.{}.type", at, i), "there is no plug", "unplugged",
+                     "with wire: usb");
+      }
+    }
   } else {
     check.usb();
   }
@@ -209,10 +212,8 @@ void UbloxConfiguration::check(const std::string& at, RigCheck& check) const {
   }
 }
 
-std::vector<FaultWindow> UbloxConfiguration::fault_windows(std::string_view name) const {
-  std::vector<FaultWindow> windows = hil::fault_windows(faults, name);
-  std::ranges::move(hil::fault_windows(plug_faults(unplugged), name), std::back_inserter(windows));
-  return windows;
+void UbloxConfiguration::each_fault(const FaultEar& take) {
+  show_faults(faults, take);
 }
 
 std::vector<fields::Named> UbloxConfiguration::fault_kinds() const {

@@ -26,8 +26,7 @@ struct UbloxConfiguration final : DeviceConfigurationOf<UbloxConfiguration> {
   MountConfiguration mount;  ///< Of the antenna.
   emulators::UbloxSettings receiver;
   sim::GnssParameters sensor;
-  std::vector<MixedFault<sim::GnssFault, emulators::UbloxFault>> faults;
-  std::vector<FaultPeriod> unplugged;  ///< On USB.
+  std::vector<MixedFault<PlugFault, sim::GnssFault, emulators::UbloxFault>> faults;
   /// The base station whose line its second UART hears; empty: none.
   std::string corrections_from;
 
@@ -36,7 +35,7 @@ struct UbloxConfiguration final : DeviceConfigurationOf<UbloxConfiguration> {
   void visit(fields::Visitor& v) override;
   void validate() const override;
   void check(const std::string& at, RigCheck& check) const override;
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override;
+  void each_fault(const FaultEar& take) override;
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override;
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;

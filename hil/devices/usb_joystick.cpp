@@ -27,29 +27,38 @@ constexpr std::array<Choice<LeverSource>, 2> kLeverSources{
      {LeverSource::commands, "commands",
       "What the rig's valves are told, as an operator by the ISO pattern would."}}};
 
+using SampleFault = emulators::SampleFault<JoystickSample>;
+
 /// Moves the levers at the rate at which they can be reported.
 class LeverMover final : public EventSource {
  public:
-  LeverMover(const UsbJoystickConfiguration& configuration, emulators::HidJoystick& levers)
+  LeverMover(const UsbJoystickConfiguration& configuration, std::uint64_t seed,
+             emulators::HidJoystick& levers)
       : script_(lever_script(configuration)),
         source_(configuration.source),
         period_(configuration.joystick.interval),
-        levers_(levers) {}
+        levers_(levers),
+        faults_(those_of<SampleFault>(configuration.faults), seed) {}
 
+  [[nodiscard]] emulators::FaultySamples<JoystickSample>& faults() { return faults_; }
   void follow(std::vector<const ValveSource*> valves) { valves_ = std::move(valves); }
 
   [[nodiscard]] SimTime next_event() const override { return next_; }
   [[nodiscard]] SimTime next_wakeup() const override { return next_; }
   void advance(SimTime now) override {
     for (; next_ <= now; next_ += period_) {
+      JoystickSample sample;
       if (source_ == LeverSource::script) {
-        levers_.update(script_.at(next_));
+        sample = script_.at(next_);
       } else {
         for (const ValveSource* valves : valves_) {
           valves->lay_over(command_);
         }
-        levers_.update(sim::levers_of(command_, next_));
+        sample = sim::levers_of(command_, next_);
       }
+      sample.time = next_;
+      faults_.lay_over(sample);
+      levers_.update(sample);
     }
   }
 
@@ -58,6 +67,7 @@ class LeverMover final : public EventSource {
   LeverSource source_;
   Duration period_;
   emulators::HidJoystick& levers_;
+  emulators::FaultySamples<JoystickSample> faults_;
   std::vector<const ValveSource*> valves_;
   ValveCommand command_;  ///< Of all of them, by the machine's actuators.
   SimTime next_ = kStart;
@@ -68,9 +78,11 @@ class UsbJoystickDevice final : public Device {
   UsbJoystickDevice(const UsbJoystickConfiguration& configuration, Site& site)
       : bus_(site.usb()),
         levers_(configuration.joystick),
-        mover_(configuration, levers_),
+        mover_(configuration, site.stream_seed("faults/samples"), levers_),
         socket_(bus_.plug(levers_, site.name())) {
-    offer(begin_plug_faults(configuration.unplugged, bus_, socket_));
+    offer(begin_plug_faults(those_of<PlugFault>(configuration.faults), bus_, socket_));
+    offer(make_fault_port(those_of<SampleFault>(configuration.faults),
+                          acted_by<SampleFault>(mover_.faults())));
     // The bus lets the device live; there is nothing to be routed to it, so that it is no station.
     site.executive().add(mover_);
   }
@@ -144,7 +156,7 @@ void UsbJoystickConfiguration::visit(fields::Visitor& v) {
     w.boolean("repeat", repeat, "The script begins again at its last keyframe.");
     w.list("script", script, "Keyframes; linear between them.");
   });
-  v.list("unplugged", unplugged, "When the plug is out.");
+  v.list("faults", faults, "What goes wrong with the device, and when.");
 }
 
 void UsbJoystickConfiguration::validate() const {
@@ -159,12 +171,12 @@ void UsbJoystickConfiguration::check(const std::string& at, RigCheck& check) con
   }
 }
 
-std::vector<FaultWindow> UsbJoystickConfiguration::fault_windows(std::string_view name) const {
-  return hil::fault_windows(plug_faults(unplugged), name);
+void UsbJoystickConfiguration::each_fault(const FaultEar& take) {
+  show_faults(faults, take);
 }
 
 std::vector<fields::Named> UsbJoystickConfiguration::fault_kinds() const {
-  return hil::fault_kinds<PlugFault>();
+  return mixed_kinds(faults);
 }
 
 DevicePlan UsbJoystickConfiguration::plan(const RigView& rig) const {

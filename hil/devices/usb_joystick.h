@@ -13,7 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "emulators/sample_fault.h"
 #include "emulators/usb/hid_joystick.h"
+#include "hil/configuration/fault_window.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/wires/usb_configuration.h"
 #include "sim/joystick/lever_script.h"
@@ -36,12 +38,12 @@ struct UsbJoystickConfiguration final : DeviceConfigurationOf<UsbJoystickConfigu
   LeverSource source = LeverSource::script;
   bool repeat = false;
   std::vector<LeverKeyframeConfiguration> script;
-  std::vector<FaultPeriod> unplugged;
+  std::vector<MixedFault<PlugFault, emulators::SampleFault<JoystickSample>>> faults;
 
   void visit(fields::Visitor& v) override;
   void validate() const override;
   void check(const std::string& at, RigCheck& check) const override;
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override;
+  void each_fault(const FaultEar& take) override;
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override;
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;

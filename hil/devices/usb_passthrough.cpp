@@ -70,9 +70,7 @@ struct UsbPassThroughConfiguration final : DeviceConfigurationOf<UsbPassThroughC
     check.claim(at + ".device", "USB device " + device, device);
   }
 
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
-    return {};
-  }
+  void each_fault(const FaultEar& /*take*/) override {}
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override { return {}; }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {

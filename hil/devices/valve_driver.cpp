@@ -26,6 +26,7 @@ ModbusLineConfiguration own_line(const ValveDriverConfiguration& configuration) 
   line.port = configuration.port;
   line.allow_remote = configuration.allow_remote;
   line.response_delay.typical = configuration.processing_delay;
+  line.faults = configuration.line_faults();
   return line;
 }
 
@@ -44,9 +45,9 @@ class ValveDriverDevice final : public Device {
     line_.add_unit(configuration.unit, driver_.unit());
     auto acts = acted_by<emulators::ValveDefect>(driver_.defects());
     acts.name = valve_fault_names(configuration.driver.amplifier);
-    offer(make_fault_port(configuration.driver.amplifier.defects, std::move(acts)));
+    offer(make_fault_port(those_of<emulators::ValveDefect>(configuration.faults), std::move(acts)));
     if (own_ != nullptr) {
-      offer(own_->fault_port({}));
+      offer(own_->fault_port(configuration.line_faults()));
     }
   }
 
@@ -97,6 +98,7 @@ std::string modbus_wire(const RigView& rig, const ValveDriverConfiguration& devi
 
 emulators::ValveDriverSettings driver_settings(const ValveDriverConfiguration& configuration) {
   emulators::ValveDriverSettings settings = configuration.driver;
+  settings.amplifier.defects = those_of<emulators::ValveDefect>(configuration.faults);
   if (!configuration.map.empty()) {
     settings.map = load_valve_map(configuration.map);
   }
@@ -116,6 +118,8 @@ void ValveDriverConfiguration::visit(fields::Visitor& v) {
   v.file("map", map, fields::FileKind::valve_map,
          "Registers from a file (docs/your-own-valve.md); empty: Rigwire's own.");
   emulators::visit(v, driver);
+  v.list("faults", faults,
+         "What happens to coils, spools, sensors, supply, surroundings and the line of its own.");
 }
 
 void ValveDriverConfiguration::validate() const {
@@ -127,6 +131,18 @@ void ValveDriverConfiguration::validate() const {
 }
 
 void ValveDriverConfiguration::check(const std::string& at, RigCheck& check) const {
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    const bool of_line = std::visit(
+        []<class What>(const What&) {
+          return kIsAlternative<What, decltype(emulators::ModbusFault::what)>;
+        },
+        faults[i].what);
+    if (of_line && !line.empty()) {
+      check.report(fmt::format("{}.faults.{}.type", at, i), "the line is one of the rig's",
+                   std::string(fields::chosen_name(faults[i].what)),
+                   fmt::format("the same on \"modbus {}\"", line));
+    }
+  }
   if (line.empty()) {
     check.listener(at, address, port, allow_remote);
   } else if (check.modbus_line(at, line)) {
@@ -135,8 +151,39 @@ void ValveDriverConfiguration::check(const std::string& at, RigCheck& check) con
   check.valve_block(at, driver.amplifier.sections);
 }
 
-std::vector<FaultWindow> ValveDriverConfiguration::fault_windows(std::string_view name) const {
-  return valve_fault_windows(driver.amplifier, name);
+void visit(fields::Visitor& v, ValveDriverFault& p) {
+  visit(v, p.when);
+  visit(v, p.scope);
+  v.required("type");
+  v.variant("type", p.what, "Which fault it is.");
+  const bool of_line = std::visit(
+      []<class What>(const What&) {
+        return kIsAlternative<What, decltype(emulators::ModbusFault::what)>;
+      },
+      p.what);
+  v.check(of_line || p.scope == emulators::ModbusFaultScope{}, "type",
+          "which requests it concerns is of faults of the line",
+          std::string(fields::chosen_name(p.what)), "without unit, table, first, last, share");
+}
+
+std::vector<emulators::ModbusFault> ValveDriverConfiguration::line_faults() const {
+  std::vector<emulators::ModbusFault> all;
+  for (const ValveDriverFault& fault : faults) {
+    std::visit(
+        [&]<class What>(const What& what) {
+          if constexpr (kIsAlternative<What, decltype(emulators::ModbusFault::what)>) {
+            all.push_back({fault.when, fault.scope, what});
+          }
+        },
+        fault.what);
+  }
+  return all;
+}
+
+void ValveDriverConfiguration::each_fault(const FaultEar& take) {
+  show_faults(faults, take, [this](const ValveDriverFault& fault) {
+    return valve_fault_name(fault, driver.amplifier);
+  });
 }
 
 std::vector<fields::Named> ValveDriverConfiguration::fault_kinds() const {

@@ -4,11 +4,24 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "emulators/modbus/modbus_faults.h"
+#include "emulators/valve_amplifier/fault.h"
 #include "emulators/valve_driver/valve_driver.h"
+#include "hil/configuration/fault_window.h"
 #include "hil/devices/device_configuration.h"
 
 namespace rigwire::hil {
+
+/// A fault of its amplifier, or of the Modbus line where that is its own.
+struct ValveDriverFault {
+  FaultPeriod when;
+  emulators::ModbusFaultScope scope;  ///< Of those of the line.
+  EitherOf<decltype(emulators::ValveDefect::what), decltype(emulators::ModbusFault::what)>::Type
+      what;
+};
+void visit(fields::Visitor& v, ValveDriverFault& p);
 
 struct ValveDriverConfiguration final : DeviceConfigurationOf<ValveDriverConfiguration> {
   std::string line;                   ///< One of the rig's Modbus lines; empty: its own server.
@@ -19,16 +32,20 @@ struct ValveDriverConfiguration final : DeviceConfigurationOf<ValveDriverConfigu
   Duration processing_delay = std::chrono::microseconds(300);  ///< Of its own server.
   std::string map;  ///< File of the registers (hil/files/valve_map_file.h); empty: Rigwire's own.
   emulators::ValveDriverSettings driver;
+  std::vector<ValveDriverFault> faults;
 
   void visit(fields::Visitor& v) override;
   void validate() const override;
   void check(const std::string& at, RigCheck& check) const override;
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override;
+  void each_fault(const FaultEar& take) override;
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override;
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
   [[nodiscard]] DeviceDescription describe() const override;
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
+
+  /// Those of its own line.
+  [[nodiscard]] std::vector<emulators::ModbusFault> line_faults() const;
 };
 
 /// The driver's settings, with its map read. Throws ConfigurationError.

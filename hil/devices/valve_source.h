@@ -2,9 +2,13 @@
 // others of the rig that follow it, and the faults of their amplifier.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "emulators/backends.h"
@@ -29,16 +33,27 @@ class ValveSource {
   ValveSections sections_;
 };
 
-/// What a defect is called, with its section: "open_coil boom".
-[[nodiscard]] inline auto valve_fault_names(const emulators::ValveAmplifierSettings& settings) {
-  return [sections = settings.sections](const emulators::ValveDefect& defect) {
-    const auto section = section_of(defect);
-    return section ? kind_name(defect) + " " + sections.at(*section) : kind_name(defect);
-  };
+/// What a fault is called, one of a valve section with its name: "open boom".
+template <class Fault>
+[[nodiscard]] std::string valve_fault_name(const Fault& fault,
+                                           const emulators::ValveAmplifierSettings& settings) {
+  const auto section = std::visit(
+      []<class What>(const What& what) -> std::optional<std::size_t> {
+        if constexpr (std::is_base_of_v<emulators::SectionDefect, What>) {
+          return what.section;
+        } else {
+          return std::nullopt;
+        }
+      },
+      fault.what);
+  return section && *section < settings.sections.size()
+             ? kind_name(fault) + " " + settings.sections[*section]
+             : kind_name(fault);
 }
-[[nodiscard]] inline std::vector<FaultWindow> valve_fault_windows(
-    const emulators::ValveAmplifierSettings& settings, std::string_view device) {
-  return fault_windows(settings.defects, device, valve_fault_names(settings));
+[[nodiscard]] inline auto valve_fault_names(const emulators::ValveAmplifierSettings& settings) {
+  return [settings](const emulators::ValveDefect& defect) {
+    return valve_fault_name(defect, settings);
+  };
 }
 
 }  // namespace rigwire::hil

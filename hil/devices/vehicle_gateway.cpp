@@ -43,8 +43,10 @@ class VehicleGatewayDevice final
       private FixListener {
  public:
   VehicleGatewayDevice(Site& site, const std::string& bus, const emulators::OwnClockSettings& clock,
-                       const emulators::VehicleGatewaySettings& settings, std::string position_from)
-      : CanDeviceOf(site, bus, clock, settings_on(settings, site.world().machine().vehicle_port())),
+                       const Faults& faults, const emulators::VehicleGatewaySettings& settings,
+                       std::string position_from)
+      : CanDeviceOf(site, bus, clock, faults,
+                    settings_on(settings, site.world().machine().vehicle_port())),
         position_from_(std::move(position_from)) {}
 
   void connect(const Neighbours& neighbours) override {
@@ -68,6 +70,7 @@ class VehicleGatewayDevice final
 struct VehicleGatewayConfiguration final : DeviceConfigurationOf<VehicleGatewayConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
+  std::vector<NodeFault<VehicleSample>> faults;
   std::string position_from;  ///< Name of the satellite receiver wired to it; empty: none.
   emulators::VehicleGatewaySettings gateway;
   sim::VehicleSensorParameters sensor;
@@ -82,7 +85,7 @@ struct VehicleGatewayConfiguration final : DeviceConfigurationOf<VehicleGatewayC
   }
 
   void visit(fields::Visitor& v) override {
-    visit_node(v, bus, clock);
+    visit_node(v, bus, clock, faults);
     v.text("position_from", position_from,
            "The satellite receiver whose fixes it reports (VP, VDS, VP2); empty = none.");
     emulators::visit(v, gateway);
@@ -102,10 +105,10 @@ struct VehicleGatewayConfiguration final : DeviceConfigurationOf<VehicleGatewayC
     }
   }
 
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
-    return {};
+  void each_fault(const FaultEar& take) override { show_faults(faults, take); }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
+    return mixed_kinds(faults);
   }
-  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override { return {}; }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     return j1939_plan(rig, bus, gateway.source_address, bus_share({})->frames_hz,
@@ -144,8 +147,8 @@ struct VehicleGatewayConfiguration final : DeviceConfigurationOf<VehicleGatewayC
   }
 
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
-    auto device =
-        std::make_unique<VehicleGatewayDevice>(site, bus, clock, settings(), position_from);
+    auto device = std::make_unique<VehicleGatewayDevice>(
+        site, bus, clock, node_faults<VehicleSample>(faults), settings(), position_from);
     site.world().add(
         make_world_vehicle(device->enlist(site.executive()), site.world().machine(),
                            sim::VehicleSensors(sensor, odometry, site.seed(), site.name())));

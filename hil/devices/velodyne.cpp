@@ -437,8 +437,8 @@ void VelodyneConfiguration::check(const std::string& at, RigCheck& check) const 
                   std::string(kPulseTimeSource), std::string(kNoTimeSource)});
 }
 
-std::vector<FaultWindow> VelodyneConfiguration::fault_windows(std::string_view name) const {
-  return hil::fault_windows(lidar.faults, name);
+void VelodyneConfiguration::each_fault(const FaultEar& take) {
+  show_faults(lidar.faults, take);
 }
 
 std::vector<fields::Named> VelodyneConfiguration::fault_kinds() const {

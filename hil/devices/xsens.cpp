@@ -27,13 +27,14 @@ using XsensMtiDevice = CanDeviceOf<emulators::Mti600, emulators::ImuBackend>;
 struct XsensMtiConfiguration final : DeviceConfigurationOf<XsensMtiConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
+  std::vector<NodeFault<ImuSample, emulators::SupplyFault>> faults;
   MountConfiguration mount;
   emulators::MtiSettings mti;
   sim::ImuParameters sensor;
   sim::MagnetometerConfiguration magnetometer;
 
   void visit(fields::Visitor& v) override {
-    visit_node(v, bus, clock);
+    visit_node(v, bus, clock, faults);
     emulators::visit(v, mti);
     v.section("mount", mount, "Where on the machine the sensor sits, and how it is turned.");
     v.section("sensor", sensor, "How well it measures.");
@@ -49,11 +50,9 @@ struct XsensMtiConfiguration final : DeviceConfigurationOf<XsensMtiConfiguration
     check.claim(at + ".bus", fmt::format("{} mti {}", bus, mti.extended), bus);
   }
 
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
-    return hil::fault_windows(mti.supply.faults(), name);
-  }
+  void each_fault(const FaultEar& take) override { show_faults(faults, take); }
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
-    return hil::fault_kinds<emulators::SupplyFault>();
+    return mixed_kinds(faults);
   }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
@@ -83,7 +82,9 @@ struct XsensMtiConfiguration final : DeviceConfigurationOf<XsensMtiConfiguration
   }
 
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
-    auto device = std::make_unique<XsensMtiDevice>(site, bus, clock, mti, site.calendar());
+    auto device =
+        std::make_unique<XsensMtiDevice>(site, bus, clock, node_faults<ImuSample>(faults),
+                                         with_supply_faults(mti, faults), site.calendar());
     mount_inertial_unit(site, device->enlist(site.executive()), mount, sensor, magnetometer);
     return device;
   }

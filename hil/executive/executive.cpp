@@ -272,6 +272,7 @@ void Executive::route(const SampleBatch& batch) {
   }
   machine_state_ = batch.state;
   frontier_ = batch.until;
+  slice_listener_(frontier_, machine_state_);
 }
 
 void Executive::fail(const std::string& what) {

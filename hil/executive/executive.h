@@ -127,6 +127,11 @@ class Executive {
   void stop();
   [[nodiscard]] bool stopped() const { return stopped_; }
 
+  /// Hears of every slice when it is known, before the devices come into it: its end, and the
+  /// machine's state then. On the wire thread. Before a run.
+  using SliceListener = std::function<void(SimTime until, const std::vector<double>& state)>;
+  void on_slice(SliceListener listener) { slice_listener_ = std::move(listener); }
+
   // On the wire thread, before a run or within it.
   /// Time stands after the present event.
   void pause();
@@ -192,6 +197,7 @@ class Executive {
   WallTime began_{};     ///< Of that run.
   bool behind_ = false;  ///< An overrun that is not made up.
   std::vector<double> machine_state_;
+  SliceListener slice_listener_ = [](SimTime, const std::vector<double>&) {};
   std::optional<std::string> fault_;
   bool paused_ = false;
   bool woken_ = false;  ///< Something happened that the paced loop must look at. Wire thread only.

@@ -115,6 +115,46 @@ void require_looks(const RigConfiguration& configuration, const sim::Scene& scen
   }
 }
 
+/// Key path of something that faults are of: "devices.gnss", "buses.can".
+std::string path_of_target(const std::string& where) {
+  for (const auto& [prefix, section] : {std::pair{"bus ", "buses."}, {"modbus ", "modbus."}}) {
+    if (where.starts_with(prefix)) {
+      return section + where.substr(std::string_view(prefix).size());
+    }
+  }
+  return "devices." + where;
+}
+
+/// What faults wait for, the machine has. Throws fields::Refused.
+void require_quantities(const RigConfiguration& configuration,
+                        const std::vector<StateQuantity>& quantities) {
+  RigConfiguration shown = configuration;
+  std::map<std::string, std::size_t> seen;
+  each_fault(shown, [&](const std::string& where, FaultPeriod& when, const std::string&) {
+    const std::size_t number = seen[where]++;
+    const std::string& name = when.when.quantity;
+    if (!when.waits() || std::ranges::count(quantities, name, &StateQuantity::name) > 0) {
+      return;
+    }
+    std::vector<std::string> names;
+    std::ranges::transform(quantities, std::back_inserter(names), &StateQuantity::name);
+    const std::string near = nearest_word(name, names);
+    throw fields::Refused(
+        fmt::format("{}.faults.{}.when.quantity", path_of_target(where), number),
+        fmt::format("the machine has no such quantity, found \"{}\", allowed {}{}", name,
+                    join_words(names), near.empty() ? "" : ", did you mean " + near + "?"));
+  });
+}
+
+/// Each fault draws for its probability from a stream of its own.
+RigConfiguration with_fault_streams(RigConfiguration configuration) {
+  each_fault(configuration,
+             [&](const std::string& where, FaultPeriod& when, const std::string& name) {
+               when.stream = fault_stream(configuration.seed, where, name, when.at);
+             });
+  return configuration;
+}
+
 RigCanSettings can_settings(const BusConfiguration& bus, const CanHop& hop) {
   RigCanSettings settings;
   settings.node.order = bus.order;
@@ -258,7 +298,10 @@ void check_start(const LoadedRig& rig, RunLog* log) {
   };
   make([&] { (void)make_local_frame(configuration.origin); });
   make([&] { (void)make_satellites(configuration.satellites, Calendar(configuration.start)); });
-  make([&] { (void)build_machine_in_scene(configuration, log); });
+  make([&] {
+    const MachineInScene built = build_machine_in_scene(configuration, log);
+    require_quantities(configuration, state_quantities(*built.machine));
+  });
   problems.throw_if_any();
 }
 
@@ -352,7 +395,7 @@ class Rig::DeviceNeighbours final : public Neighbours {
 
 Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
          const TruthFiles& truth, RunLog* log, const OwnEnds& own, Recorder* recorder)
-    : configuration_(configuration),
+    : configuration_(with_fault_streams(configuration)),
       io_(io),
       log_(log),
       recorder_(recorder),
@@ -361,7 +404,9 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       satellites_(make_satellites(configuration.satellites, calendar_)),
       surroundings_(make_surroundings(configuration)),
       world_(make_world(configuration, log)),
-      executive_(io, world_) {
+      executive_(io, world_),
+      faults_(configuration.seed, world_.state_quantities()) {
+  require_quantities(configuration_, world_.state_quantities());
   if (recorder_ != nullptr) {
     recorder_->attach(executive_);
   }
@@ -389,6 +434,9 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     record(name, first, devices_.back().device->endpoint());
   }
   number_faults();
+  executive_.on_slice([this](SimTime until, const std::vector<double>& state) {
+    faults_.look(executive_.now(), until, state);
+  });
   const DeviceNeighbours neighbours(*this);
   for (const NamedDevice& device : devices_) {
     device.device->connect(neighbours);

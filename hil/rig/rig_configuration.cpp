@@ -5,6 +5,7 @@
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
 #include "hil/files/file_content.h"
+#include "hil/rig/fault_list.h"
 
 namespace rigwire::hil {
 
@@ -14,6 +15,7 @@ LoadedRig load_rig(const std::string& file, const std::vector<std::string>& sets
   for (const std::string& set : sets) {
     apply_set(document, set, problems);
   }
+  bring_faults_home(document, problems);
   LoadedRig rig;
   // A file that cannot be read at all would only be followed by complaints about missing keys.
   if (problems.empty() || !document.entries.empty()) {
@@ -69,20 +71,31 @@ RigView view_of(const RigConfiguration& configuration) {
   return view;
 }
 
+void each_fault(RigConfiguration& configuration,
+                const std::function<void(const std::string& where, FaultPeriod& when,
+                                         const std::string& name)>& take) {
+  const auto of = [&take](std::string where) {
+    return [&take, where = std::move(where)](FaultPeriod& when, const std::string& name) {
+      take(where, when, name);
+    };
+  };
+  for (auto& [name, device] : configuration.devices) {
+    device->each_fault(of(name));
+  }
+  for (auto& [name, bus] : configuration.buses) {
+    show_faults(bus.faults, of("bus " + name), can_fault_name);
+  }
+  for (auto& [name, line] : configuration.modbus) {
+    show_faults(line.faults, of("modbus " + name));
+  }
+}
+
 std::vector<FaultWindow> fault_windows(const RigConfiguration& configuration) {
   std::vector<FaultWindow> all;
-  const auto append = [&all](std::vector<FaultWindow> windows) {
-    all.insert(all.end(), std::move_iterator(windows.begin()), std::move_iterator(windows.end()));
-  };
-  for (const auto& [name, device] : configuration.devices) {
-    append(device->fault_windows(name));
-  }
-  for (const auto& [name, bus] : configuration.buses) {
-    append(fault_windows(bus.faults, "bus " + name, can_fault_name));
-  }
-  for (const auto& [name, line] : configuration.modbus) {
-    append(fault_windows(line.faults, "modbus " + name));
-  }
+  RigConfiguration copy = configuration;
+  each_fault(copy, [&](const std::string& where, FaultPeriod& when, const std::string& name) {
+    all.push_back(fault_window(where, name, when));
+  });
   return all;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -125,7 +126,11 @@ struct LoadedRig {
 /// What devices may know of the rig. Refers to the configuration.
 [[nodiscard]] RigView view_of(const RigConfiguration& configuration);
 
-/// Every fault of devices, buses and lines, in the order of their kinds and names.
+/// Shows every fault of devices, buses and lines, in the order of their kinds and names.
+void each_fault(RigConfiguration& configuration,
+                const std::function<void(const std::string& where, FaultPeriod& when,
+                                         const std::string& name)>& take);
+/// When they act, in that order.
 [[nodiscard]] std::vector<FaultWindow> fault_windows(const RigConfiguration& configuration);
 
 /// How the messages on a bus are laid out, each device under its name in the rig and with its

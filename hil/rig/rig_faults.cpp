@@ -10,10 +10,67 @@
 namespace rigwire::hil {
 
 void RigFaults::add(const std::string& where, FaultPort& port) {
-  for (const auto& [id, window] : port.list()) {
-    entries_.push_back({ports_.size(), id});
-  }
   ports_.push_back({where, &port});
+  for (const auto& [id, window] : port.list()) {
+    enter(ports_.size() - 1, id);
+  }
+}
+
+void RigFaults::enter(std::size_t port, FaultPort::Id id) {
+  wait_for(port, id, last_id_ + 1);
+  entries_.push_back({++last_id_, port, id});
+}
+
+void RigFaults::wait_for(std::size_t port, FaultPort::Id id, Id number) {
+  for (const FaultPort::Waiting& waiting : ports_[port].port->waiting()) {
+    if (waiting.id == id) {
+      waits_.push_back({number, quantity(waiting.condition.quantity), waiting.condition.above,
+                        waiting.condition.value, waiting.from});
+    }
+  }
+}
+
+std::size_t RigFaults::quantity(const std::string& name) const {
+  const auto found = std::ranges::find(quantities_, name, &StateQuantity::name);
+  if (found == quantities_.end()) {
+    std::vector<std::string> names;
+    std::ranges::transform(quantities_, std::back_inserter(names), &StateQuantity::name);
+    throw NoSuchFault("the machine has no such quantity", "fault.when.quantity", printable(name),
+                      join_words(names));
+  }
+  return static_cast<std::size_t>(found - quantities_.begin());
+}
+
+void RigFaults::look(SimTime now, SimTime instant, std::span<const double> state) {
+  const auto met = [&](const Wait& wait) {
+    const double value = state[wait.quantity];
+    return wait.from <= instant && (wait.above ? value > wait.value : value < wait.value);
+  };
+  for (std::size_t i = 0; i < waits_.size();) {
+    if (!met(waits_[i])) {
+      ++i;
+      continue;
+    }
+    const Id number = waits_[i].number;
+    waits_.erase(waits_.begin() + static_cast<std::ptrdiff_t>(i));
+    Entry& entry = *std::ranges::lower_bound(entries_, number, {}, &Entry::number);
+    if (const auto id = ports_[entry.port].port->meet(entry.id, now, instant)) {
+      entry.id = *id;
+      const std::vector<Numbered> all = list();
+      listener_(std::ranges::lower_bound(all, number, {}, &Numbered::id)->window);
+    }
+  }
+}
+
+/// Of what the ports have forgotten.
+void RigFaults::forget() {
+  if (entries_.size() < kKept) {
+    return;
+  }
+  const std::vector<Numbered> known = list();
+  std::erase_if(entries_, [&](const Entry& entry) {
+    return !std::ranges::binary_search(known, entry.number, {}, &Numbered::id);
+  });
 }
 
 std::vector<RigFaults::Target> RigFaults::targets() const {
@@ -39,8 +96,10 @@ std::vector<RigFaults::Numbered> RigFaults::list() const {
     const auto& list = of_port[entry.port];
     const auto found =
         std::ranges::lower_bound(list, entry.id, {}, [](const auto& one) { return one.first; });
-    all.push_back({static_cast<Id>(all.size() + 1), found->second});
-    all.back().window.where = ports_[entry.port].where;
+    if (found != list.end() && found->first == entry.id) {
+      all.push_back({entry.number, found->second});
+      all.back().window.where = ports_[entry.port].where;
+    }
   }
   return all;
 }
@@ -77,23 +136,36 @@ std::optional<RigFaults::Numbered> RigFaults::begin(SimTime now, const std::stri
     throw NoSuchFault(where + " cannot have such a fault", "fault.type", printable(type),
                       join_words(names));
   }
-  const auto id = port->port->begin(now, fill);
+  const auto stream_of = [&](const std::string& name, Duration at) {
+    return fault_stream(seed_, where, name, at);
+  };
+  const auto id = port->port->begin(now, fill, stream_of);
   if (!id) {
     return std::nullopt;
   }
-  entries_.push_back({static_cast<std::size_t>(port - ports_.begin()), *id});
+  forget();
+  try {
+    enter(static_cast<std::size_t>(port - ports_.begin()), *id);
+  } catch (const NoSuchFault&) {
+    port->port->end(*id, now);
+    throw;
+  }
   Numbered begun = list().back();
   listener_(begun.window);
   return begun;
 }
 
 RigFaults::Numbered RigFaults::end(SimTime now, Id id) {
-  const bool known = id >= 1 && id <= entries_.size();
-  if (!known || !ports_[entries_[id - 1].port].port->end(entries_[id - 1].id, now)) {
-    throw NoSuchFault(known ? "that fault is over" : "there is no fault of that number", "id",
+  const auto entry = std::ranges::lower_bound(entries_, id, {}, &Entry::number);
+  const bool known = entry != entries_.end() && entry->number == id;
+  if (!known || !ports_[entry->port].port->end(entry->id, now)) {
+    const bool was = known || (id >= 1 && id <= last_id_);
+    throw NoSuchFault(was ? "that fault is over" : "there is no fault of that number", "id",
                       std::to_string(id), "one of those that fault_list tells, and not over");
   }
-  Numbered ended = list()[id - 1];
+  std::erase_if(waits_, [id](const Wait& wait) { return wait.number == id; });
+  const std::vector<Numbered> all = list();
+  Numbered ended = *std::ranges::lower_bound(all, id, {}, &Numbered::id);
   listener_(ended.window);
   return ended;
 }

@@ -110,7 +110,7 @@ inline void validate(const BusConfiguration& p) {
   validate(emulators::CanBusFaults{p.faults});
 }
 
-/// What a fault is called, with its node: "disconnected imu".
+/// What a fault is called, with its node: "unplugged imu".
 [[nodiscard]] inline std::string can_fault_name(const emulators::CanFault& fault) {
   const std::string node = emulators::node_of(fault);
   return node.empty() ? kind_name(fault) : kind_name(fault) + " " + node;

@@ -21,19 +21,9 @@ struct UsbConfiguration {
   bool allow_remote = false;
 };
 
-/// The short form of a device's keys: when its plug is out.
-[[nodiscard]] inline std::vector<PlugFault> plug_faults(const std::vector<FaultPeriod>& unplugged) {
-  std::vector<PlugFault> faults;
-  for (const FaultPeriod& period : unplugged) {
-    faults.push_back({period, UnpluggedFault{}});
-  }
-  return faults;
-}
-
 /// Those of a plug from the start, begun, and the port for more. `bus` must outlive it.
 [[nodiscard]] inline std::unique_ptr<FaultPort> begin_plug_faults(
-    const std::vector<FaultPeriod>& unplugged, UsbBus& bus, UsbBus::Socket socket) {
-  const std::vector<PlugFault> faults = plug_faults(unplugged);
+    const std::vector<PlugFault>& faults, UsbBus& bus, UsbBus::Socket socket) {
   for (const PlugFault& fault : faults) {
     bus.begin(socket, fault);
   }

@@ -37,12 +37,7 @@ SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene con
   }
   before_ = after_;
   bodies_.resize(links);
-  for (const sim::StatusQuantity& quantity : content_.machine->status_quantities()) {
-    state_quantities_.push_back({std::string(quantity.name), std::string(quantity.unit)});
-  }
-  if (content_.machine->contact_report() != nullptr) {
-    state_quantities_.push_back({"contact", "kN"});
-  }
+  state_quantities_ = hil::state_quantities(*content_.machine);
   std::size_t numbers = 0;
   for (const sim::TruthField& field : content_.machine->truth_fields()) {
     numbers += field.count;
@@ -50,6 +45,17 @@ SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene con
   truth_.machine.resize(numbers);
   truth_.links.resize(content_.machine->links().size());
   hand_ = std::make_unique<Hand>(*content_.machine);
+}
+
+std::vector<StateQuantity> state_quantities(const sim::Machine& machine) {
+  std::vector<StateQuantity> quantities;
+  for (const sim::StatusQuantity& quantity : machine.status_quantities()) {
+    quantities.push_back({std::string(quantity.name), std::string(quantity.unit)});
+  }
+  if (machine.contact_report() != nullptr) {
+    quantities.push_back({"contact", "kN"});
+  }
+  return quantities;
 }
 
 SimulatedWorld::~SimulatedWorld() = default;

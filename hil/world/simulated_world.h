@@ -47,6 +47,9 @@ struct WorldSettings {
   double gravity_mps2 = 9.80665;                  ///< Along world -z, for the inertial units.
 };
 
+/// What is told of a machine's state while it runs.
+[[nodiscard]] std::vector<StateQuantity> state_quantities(const sim::Machine& machine);
+
 class SimulatedWorld final : public TruthSource {
  public:
   /// The scene's bodies must be the machine's links in the machine's order, then what lies loose

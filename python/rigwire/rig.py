@@ -90,13 +90,14 @@ class DeviceStatus:
 class FaultWindow:
     where: str
     type: str
-    begin_ns: int
+    begin_ns: int | None  #: None: it waits, see `waits_for`.
     end_ns: int | None
 
 
 @dataclass(frozen=True)
 class Fault(FaultWindow):
     id: int  #: Number within the run.
+    waits_for: str | None = None  #: What must become true: "boom above 0.5".
 
 
 @dataclass(frozen=True)
@@ -406,7 +407,14 @@ class Rig:
 
 
 def _fault(told: Mapping[str, Any]) -> Fault:
-    return Fault(told["where"], told["type"], told["begin_ns"], told["end_ns"], told["id"])
+    return Fault(
+        told["where"],
+        told["type"],
+        told["begin_ns"],
+        told["end_ns"],
+        told["id"],
+        told.get("waits_for"),
+    )
 
 
 def _span(seconds: float) -> str:

@@ -8,18 +8,20 @@ namespace {
 
 struct Add {
   GnssFaultState& state;
-  double since_s;  ///< Of the fault's begin.
+  const FaultPeriod& when;
+  SimTime now;
 
   void operator()(const OutageFault&) const { state.no_signal = true; }
-  void operator()(const JammingFault& p) const { state.jamming_db += p.loss_db; }
+  void operator()(const JammingFault& p) const { state.jamming_db += grown(p, when, now).loss_db; }
   void operator()(const SpoofDriftFault& p) const {
+    const double since_s = to_seconds(now - when.began(now));
     state.spoofed = true;
     state.offset_m += since_s * p.velocity_mps;
     state.offset_rate_mps += p.velocity_mps;
     state.clock_offset_m += since_s * p.clock_rate_mps;
     state.clock_offset_rate_mps += p.clock_rate_mps;
   }
-  void operator()(const JumpFault& p) const { state.offset_m += p.offset_m; }
+  void operator()(const JumpFault& p) const { state.offset_m += grown(p, when, now).offset_m; }
   void operator()(const AntennaShortFault&) const {
     state.no_signal = true;
     state.antenna = AntennaState::short_circuit;
@@ -38,6 +40,7 @@ struct Add {
 void visit(fields::Visitor& v, JammingFault& p) {
   v.number("loss", p.loss_db, in("dB").stored_as("dB").between(0, 80),
            "How far the carrier-to-noise density falls.");
+  visit_ramp(v, p.ramp);
 }
 
 void visit(fields::Visitor& v, SpoofDriftFault& p) {
@@ -50,6 +53,7 @@ void visit(fields::Visitor& v, SpoofDriftFault& p) {
 void visit(fields::Visitor& v, JumpFault& p) {
   v.vector3("offset", p.offset_m, in("m").between(-1e6, 1e6),
             "From the true place to the false one, [east, north, up].");
+  visit_ramp(v, p.ramp);
 }
 
 void visit(fields::Visitor& v, GnssFault& p) {
@@ -59,7 +63,7 @@ void visit(fields::Visitor& v, GnssFault& p) {
 GnssFaultState fault_state(const FaultBook<GnssFault>& faults, SimTime time) {
   GnssFaultState state;
   faults.each(time, [&](const GnssFault& fault) {
-    std::visit(Add{state, to_seconds(time - fault.when.begin())}, fault.what);
+    std::visit(Add{state, fault.when, time}, fault.what);
   });
   return state;
 }

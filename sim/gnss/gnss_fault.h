@@ -26,10 +26,13 @@ struct JammingFault {
                                         "Carrier-to-noise density falls, the noise floor rises."};
 
   double loss_db = 20.0;
+  Duration ramp{0};
+
+  void grow(double share) { loss_db *= share; }
 };
 struct SpoofDriftFault {
   static constexpr fields::Named kNamed{
-      "spoof_drift", "Strong false signals, consistent with each other, drift away."};
+      "spoofing", "Strong false signals, consistent with each other, drift away."};
 
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::UnitX();  ///< East, north, up.
   double clock_rate_mps = 0.0;                              ///< Of all ranges.
@@ -38,12 +41,15 @@ struct JumpFault {
   static constexpr fields::Named kNamed{"jump", "The signals of a place beside the true one."};
 
   Eigen::Vector3d offset_m{10.0, 0.0, 0.0};  ///< East, north, up.
+  Duration ramp{0};
+
+  void grow(double share) { offset_m *= share; }
 };
 struct AntennaShortFault {
-  static constexpr fields::Named kNamed{"antenna_short", "Short circuit of the antenna's supply."};
+  static constexpr fields::Named kNamed{"short", "Short circuit of the antenna's supply."};
 };
 struct AntennaOpenFault {
-  static constexpr fields::Named kNamed{"antenna_open", "Nothing on the antenna's plug."};
+  static constexpr fields::Named kNamed{"open", "Nothing on the antenna's plug."};
 };
 struct CorrectionOutageFault {
   static constexpr fields::Named kNamed{"correction_outage",

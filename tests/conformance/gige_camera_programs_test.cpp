@@ -143,8 +143,8 @@ TEST_F(GigeCameraPrograms, lost_packets_are_sent_again_where_they_are_asked_for)
   const std::string address = own_address();
   GigeCameraRig rig(
       camera_yaml("lossy", "gige-camera", address,
-                  std::string(kSlow) + "    faults: [{type: lost_packets, at: 0 s, for: 1000 s, "
-                                       "probability: 1 %}]\n"),
+                  std::string(kSlow) + "    faults: [{type: lost, at: 0 s, for: 1000 s, "
+                                       "share: 1 %}]\n"),
       to_the_sky("lossy"));
   await(rig, address);
   // Small packets, so that each picture loses some.

@@ -120,6 +120,8 @@ TEST_F(Schema, what_is_wrong_in_one_key_breaks_it) {
       machine +
           "devices: {gnss: {type: ublox-neo-7p, faults: [{type: jamming, at: 1, loss: 99}]}}\n",
       machine + "scene: {terrain: {type: level, benches: 2}}\n",
+      machine + "faults: [{type: jamming, loss: 30}]\n",          // of nothing
+      machine + "faults: [{on: sky, type: outage, every: x}]\n",  // no duration
       "machine: {type: excavator, excavator: {step: 80 s s}}\n",
       "machine: {type: excavator, excavator: {drives: {cushion: 0.6}}}\n",
       "machine: [excavator]\n",
@@ -127,6 +129,7 @@ TEST_F(Schema, what_is_wrong_in_one_key_breaks_it) {
   const std::vector<std::string> right{
       machine,
       machine + "seed: 0xFF\nstep: 2 ms\n",
+      machine + "faults: [{on: gnss, type: jamming, every: 2 s, duty: 10 %, loss: 30 dB}]\n",
       machine + "modbus: {cab: {wire: rtu, baud: 19200}}\n",
       machine + "origin: {geoid: egm96, geoid_interpolation: bicubic}\n",
       machine + "devices: {e: {type: cia406-encoder, event_timer: 10 ms}}\n",

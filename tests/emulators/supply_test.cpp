@@ -9,6 +9,7 @@
 #include "emulators/canopen/rotary_encoder.h"
 #include "emulators/nonvolatile_memory.h"
 #include "recorder.h"
+#include "supply_cuts.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -30,11 +31,11 @@ using Changes = std::vector<std::pair<Duration, bool>>;
 constexpr bool kOn = true;
 constexpr bool kOff = false;
 
-SupplySettings cut_at(std::vector<Duration> cuts) {
-  return {.power_on = 100ms, .cuts = std::move(cuts), .off = 500ms};
+SupplySettings cut_at(const std::vector<Duration>& cuts) {
+  return {.power_on = 100ms, .faults = rigwire::test::cuts(cuts)};
 }
 
-TEST(Supply, CutsOfTheShortFormAreFaultsOfTheBook) {
+TEST(Supply, FaultsOfTheSettingsAreThoseOfTheBook) {
   const Supply supply(cut_at({1s, 3s}));
   ASSERT_EQ(supply.book().list().size(), 2U);
   EXPECT_EQ(supply.book().list()[1].fault.when, (FaultPeriod{3s, 500ms}));
@@ -68,7 +69,7 @@ TEST(Supply, FaultEndsWhenToldBegunOrNot) {
 
 TEST(Supply, FaultOutOfRangeIsRefused) {
   Supply supply(cut_at({}));
-  EXPECT_THROW(supply.begin({{1s, 0s}, NoSupplyFault{}}), std::invalid_argument);
+  EXPECT_THROW(supply.begin({{-1s, 1s}, NoSupplyFault{}}), std::invalid_argument);
   EXPECT_TRUE(supply.book().empty());
 }
 
@@ -76,8 +77,9 @@ TEST(Supply, FaultOutOfRangeIsRefused) {
 std::vector<std::pair<SimTime, protocols::can::Frame>> frames(bool live) {
   RotaryEncoderSettings settings;
   settings.heartbeat_ms = 100;
-  settings.supply.off = 321ms;
-  settings.supply.cuts = live ? std::vector<Duration>{} : std::vector<Duration>{1s, 2003ms};
+  if (!live) {
+    settings.supply.faults = rigwire::test::cuts({1s, 2003ms}, 321ms);
+  }
   VolatileMemory memory;
   rigwire::test::FrameRecorder output;
   RotaryEncoder encoder(settings, memory, output);

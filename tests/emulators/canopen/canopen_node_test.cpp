@@ -6,6 +6,7 @@
 #include <string>
 
 #include "encoder_rig.h"
+#include "supply_cuts.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -194,7 +195,7 @@ TEST(CanopenNode, SegmentedDownloadOfANumber) {
 
 TEST(CanopenNode, SavedParametersSurviveThePowerCycleOthersDoNot) {
   RotaryEncoderSettings settings = EncoderRig::settings();
-  settings.supply.cuts = {2s, 4s};
+  settings.supply.faults = rigwire::test::cuts({2s, 4s});
   EncoderRig rig(settings);
   rig.boot();
   EXPECT_EQ(rig.write(0x1017, 0, 700, 2), 0U);

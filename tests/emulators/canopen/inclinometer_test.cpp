@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "inclinometer_rig.h"
+#include "supply_cuts.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -166,7 +167,7 @@ TEST(Inclinometer, ErrorAtPowerOnIsToldAfterTheBootUp) {
 
 TEST(Inclinometer, SavedParametersSurviveThePowerCycleOthersDoNot) {
   InclinometerSettings settings = InclinometerRig::settings();
-  settings.supply.cuts = {2s, 4s};
+  settings.supply.faults = rigwire::test::cuts({2s, 4s});
   InclinometerRig rig(settings);
   rig.boot();
   rig.tilt(10.0 * kDegree, 0.0);
@@ -192,7 +193,7 @@ TEST(Inclinometer, SavedParametersSurviveThePowerCycleOthersDoNot) {
 TEST(Inclinometer, SwitchedOffItIsSilentAndTakesNoSample) {
   InclinometerSettings settings = InclinometerRig::settings();
   settings.supply.power_on = 100ms;
-  settings.supply.cuts = {1s};
+  settings.supply.faults = rigwire::test::cuts({1s});
   InclinometerRig rig(settings);
   EXPECT_EQ(rig.device.sample_plan().first, kStart + 100ms);
   rig.run(1100ms);
@@ -220,7 +221,7 @@ TEST(InclinometerSettings, RefusedWithTheValueFound) {
   refused([](auto& s) { s.transmission_type = 253; });
   refused([](auto& s) { s.sampling = 0ns; });
   refused([](auto& s) { s.node.boot = -1ns; });
-  refused([](auto& s) { s.supply.cuts = {2s, 1s}; });
+  refused([](auto& s) { s.supply.faults = rigwire::test::cuts({-1s}); });
 }
 
 TEST(InclinometerQuantities, AreWhatTheSixteenBitSlopesCarry) {

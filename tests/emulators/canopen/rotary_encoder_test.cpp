@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "encoder_rig.h"
+#include "supply_cuts.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -163,8 +164,7 @@ TEST(RotaryEncoderSettings, RefusedWithTheValueFound) {
   refused([](auto& s) { s.transmission_type = 253; });
   refused([](auto& s) { s.offset_rad = std::numeric_limits<double>::infinity(); });
   refused([](auto& s) { s.sampling = 0ns; });
-  refused([](auto& s) { s.supply.cuts = {2s, 1s}; });
-  refused([](auto& s) { s.supply.off = 0ns; });
+  refused([](auto& s) { s.supply.faults = rigwire::test::cuts({-1s}); });
 }
 
 TEST(RotaryEncoderMessages, CarrySenderAndPeriods) {

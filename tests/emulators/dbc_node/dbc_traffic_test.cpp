@@ -12,6 +12,7 @@
 
 #include "emulators/dbc_node/dbc_node.h"
 #include "protocols/j1939/message.h"
+#include "supply_cuts.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -324,8 +325,7 @@ TEST(DbcTraffic, WithoutSupplyItIsSilentAndDeafAndBeginsAnew) {
   DbcNodeSettings settings = sensor();
   settings.taken = actuator().taken;
   settings.moved = {0};
-  settings.supply.cuts = {100ms};
-  settings.supply.off = 500ms;
+  settings.supply.faults = rigwire::test::cuts({100ms});
   DbcTraffic node(settings, bus);
   node.receive(kStart + 90ms, set_point(500, 0));
   node.receive(kStart + 150ms, set_point(500, 1));

@@ -191,7 +191,7 @@ TEST(ModbusFaults, AStuckRegisterReadsAsItFirstDidWhileTheDeviceGoesOn) {
 }
 
 TEST(ModbusFaults, AProbabilityIsDrawnFromTheSeed) {
-  const ModbusFault fault = fault_of(ModbusSilenceFault{}, {.probability = 0.25});
+  const ModbusFault fault = fault_of(ModbusSilenceFault{}, {.share = 0.25});
   FaultyServer rig(fault);
   FaultyServer twin(fault);
   int silent = 0;
@@ -243,7 +243,7 @@ TEST(ModbusFaults, WhatHasNoMeaningIsRefused) {
   refused(fault_of(ModbusDisconnectFault{}), ModbusWire::rtu);
   refused({between(1s, 1s), {}, ModbusSilenceFault{}}, ModbusWire::tcp);
   refused(fault_of(ModbusSilenceFault{}, {.unit = 248}), ModbusWire::tcp);
-  refused(fault_of(ModbusSilenceFault{}, {.probability = 0}), ModbusWire::tcp);
+  refused(fault_of(ModbusSilenceFault{}, {.share = 0}), ModbusWire::tcp);
   refused(fault_of(ModbusSilenceFault{}, {.first = 5}), ModbusWire::tcp);  // of which table?
   refused(fault_of(ModbusSilenceFault{}, {.table = Table::coils, .first = 5, .last = 4}),
           ModbusWire::tcp);
@@ -265,7 +265,7 @@ TEST(ModbusFaults, WhatHasNoMeaningIsRefused) {
 }
 
 TEST(ModbusFaults, OneBegunInTheRunChangesNoOthersDraws) {
-  const ModbusFault half = fault_of(ModbusSilenceFault{}, {.probability = 0.5});
+  const ModbusFault half = fault_of(ModbusSilenceFault{}, {.share = 0.5});
   ModbusFaultSchedule alone({half}, ModbusWire::tcp, 5);
   ModbusFaultSchedule with_another({half}, ModbusWire::tcp, 5);
   const auto id = with_another.begin({between(3s, 4s), {}, ModbusJunkFault{}});

@@ -12,6 +12,7 @@
 
 #include "emulators/can/can_bus.h"
 #include "rig.h"
+#include "supply_cuts.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -196,7 +197,7 @@ TEST(OpenImuMagneticField, The300RiSendsItInGaussAndAerospaceAxes) {
 
 TEST(OpenImuMemory, SavedSettingsAndAddressOutliveThePowerCycle) {
   OpenImuSettings settings = settings_with(0x12341);
-  settings.supply.cuts = {2s, 4s};
+  settings.supply.faults = rigwire::test::cuts({2s, 4s});
   OpenImuRig rig(settings);
   rig.run(100ms);
   rig.receive(openimu::make_setting({openimu::SettingKind::packet_rate, 0x80, 4, 0, 0}, kTester));

@@ -351,9 +351,9 @@ TEST(ValveAmplifierSettingsTest, OutOfRangeIsRefusedByName) {
   expect_refused([](Settings& s) { s.parameters.stage[0].gain = -1.0; }, "gain");
   expect_refused([](Settings& s) { s.defects = {defect(OpenCoilDefect{4}, 0s)}; }, "section");
   expect_refused([](Settings& s) { s.defects = {defect(SupplyVoltageDefect{61.0}, 0s)}; },
-                 "faults.0.value: found 61 V, allowed 0 .. 60 V");
+                 "value: found 61 V, allowed 0 .. 60 V");
   expect_refused([](Settings& s) { s.defects = {defect(AmbientTemperatureDefect{201.0}, 0s)}; },
-                 "faults.0.value: found 201 degC, allowed -60 .. 200 degC");
+                 "value: found 201 degC, allowed -60 .. 200 degC");
   validate(Settings{});
 }
 

@@ -192,13 +192,11 @@ TEST_F(VelodyneControlTest, RefusesSettingsByName) {
         s.inertial_axes[1].gyro = {1, 1, 0};
       },
       "inertial.second: velodyne lidar: gyro");
-  fault({.when = {}, .what = LostPacketsFault{.probability = 0.0}},
-        "probability: found 0 %, allowed above 0");
+  fault({.when = {}, .what = LostPacketsFault{.share = 0.0}}, "share: found 0 %, allowed above 0");
   fault({.when = between(seconds{2}, seconds{1}), .what = MotorStallFault{}}, "for: found -1 s");
   fault({.when = {}, .what = DeadLaserFault{.first = 16, .last = 16}},
         "dead_laser first is 16, allowed: 0 to 15", "VLP-16");
-  fault({.when = {}, .what = DirtyWindowFault{.to_deg = 0.0}},
-        "dirty_window to is where it begins");
+  fault({.when = {}, .what = DirtyWindowFault{.to_deg = 0.0}}, "dirt to is where it begins");
   fault({.when = {}, .what = DirtyWindowFault{.to_deg = 90.0, .transmission = 1.1}},
         "transmission: found 110 %");
   fault({.when = {}, .what = PulseLossFault{}}, "needs a pulse", "VLP-16",

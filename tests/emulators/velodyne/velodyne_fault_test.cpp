@@ -32,9 +32,9 @@ class VelodyneFaultTest : public VelodyneFixture {
 };
 
 TEST_F(VelodyneFaultTest, LostPacketsAreAsManyAsTheProbabilitySaysAndOnlyInTime) {
-  VelodyneLidar lidar(with({.when = between(seconds{1}, seconds{4}),
-                            .what = LostPacketsFault{.probability = 0.25}}),
-                      calendar, data, position);
+  VelodyneLidar lidar(
+      with({.when = between(seconds{1}, seconds{4}), .what = LostPacketsFault{.share = 0.25}}),
+      calendar, data, position);
   fire_until(lidar, kStart + seconds{5});
   std::size_t before = 0;
   std::size_t during = 0;
@@ -50,7 +50,7 @@ TEST_F(VelodyneFaultTest, LostPacketsAreAsManyAsTheProbabilitySaysAndOnlyInTime)
 
 TEST_F(VelodyneFaultTest, SwappedPacketsChangePlacesInPairsAndNoneIsLost) {
   VelodyneLidar lidar(with({.when = between(milliseconds{0}, seconds{10}),
-                            .what = SwappedPacketsFault{.probability = 1.0}}),
+                            .what = SwappedPacketsFault{.share = 1.0}}),
                       calendar, data, position);
   fire(lidar, 12 * 10);
   const std::vector<std::int64_t> order = numbers();
@@ -59,7 +59,7 @@ TEST_F(VelodyneFaultTest, SwappedPacketsChangePlacesInPairsAndNoneIsLost) {
 
 TEST_F(VelodyneFaultTest, DuplicatedPacketsAreEqualAndComeAtOnce) {
   VelodyneLidar lidar(with({.when = between(milliseconds{0}, seconds{10}),
-                            .what = DuplicatedPacketsFault{.probability = 1.0}}),
+                            .what = DuplicatedPacketsFault{.share = 1.0}}),
                       calendar, data, position);
   fire(lidar, 12 * 20);
   ASSERT_EQ(data.sent.size(), 40U);
@@ -76,7 +76,7 @@ TEST_F(VelodyneFaultTest, SameSeedSameLossesAnotherSeedOthers) {
     position.sent.clear();
     next_firing = 0;
     VelodyneLidar lidar(with({.when = between(milliseconds{0}, seconds{10}),
-                              .what = LostPacketsFault{.probability = 0.5}},
+                              .what = LostPacketsFault{.share = 0.5}},
                              seed),
                         calendar, data, position);
     fire(lidar, 12 * 64);

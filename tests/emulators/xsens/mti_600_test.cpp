@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "recorder.h"
+#include "supply_cuts.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -233,8 +234,7 @@ TEST(Mti600, OverflowIsReportedOnce) {
 
 TEST(Mti600, PowerCycleStartsTimeAndHeadingAgain) {
   MtiSettings settings;
-  settings.supply.cuts = {1s};
-  settings.supply.off = 500ms;
+  settings.supply.faults = rigwire::test::cuts({1s});
   MtiRig rig(settings);
   rig.run(1400ms);
   EXPECT_EQ(readings(rig.output, MessageId::sample_time).size(), 100U);

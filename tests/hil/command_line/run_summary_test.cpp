@@ -28,7 +28,7 @@ RunReport example() {
   report.devices.push_back(gnss);
   report.devices.push_back({"imu", "slcan /tmp/can", 2000, {}, {}, {}});
   report.faults.push_back({"gnss", "jamming", kStart + 5s, kStart + 10s});
-  report.faults.push_back({"bus can", "short_circuit", kStart + 15s, kStart + 30s});
+  report.faults.push_back({"bus can", "short", kStart + 15s, kStart + 30s});
   return report;
 }
 
@@ -44,7 +44,7 @@ TEST(RunSummary, tells_each_devices_frames_drops_worst_lateness_and_last_request
 TEST(RunSummary, tells_the_faults_that_acted_with_their_windows) {
   const auto lines = draw_summary(example(), false);
   EXPECT_THAT(lines, Contains("fault acted: gnss jamming, 5.000 .. 10.000 s"));
-  EXPECT_THAT(lines, Contains("fault acted: bus can short_circuit, 15.000 .. 20.000 s, to the end "
+  EXPECT_THAT(lines, Contains("fault acted: bus can short, 15.000 .. 20.000 s, to the end "
                               "of the run"));
 }
 

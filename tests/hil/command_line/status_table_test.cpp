@@ -82,7 +82,7 @@ TEST(StatusTable, NoLineIsWiderThanTheWindow) {
   RigStatus now = status_at(kStart + 3s, 5432);
   now.devices[0].wire = "udp 127.0.0.1:2368 and 8308; http 127.0.0.1:8080, as configured";
   now.devices[0].last_request = {kStart + 2s, "POST /cgi/setting"};
-  now.faults.push_back({"lidar", "lost_packets", kStart + 1s, kStart + 10s});
+  now.faults.push_back({"lidar", "lost", kStart + 1s, kStart + 10s});
   for (const std::size_t columns : {10U, 40U, 60U, 80U, 100U, 147U, 183U}) {
     EXPECT_THAT(draw_status_table({}, now, {{"swing", "deg"}}, {.columns = columns}),
                 Each(ResultOf(display_width, testing::Le(columns))));

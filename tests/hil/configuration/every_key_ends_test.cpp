@@ -293,6 +293,8 @@ constexpr std::string_view kCostsOverflow = "sums of costs overflow 16 bits";
 constexpr std::string_view kCameraBusy = "reading out and sending a picture takes longer";
 constexpr std::string_view kTooStiff = "lighter, or slower, than a contact's stiffness allows";
 constexpr std::string_view kDriveTooStiff = "stiffer than the step allows";
+constexpr std::string_view kOnce = "nothing is repeated";
+constexpr std::string_view kAlways = "the repetitions have no length of their own";
 constexpr std::string_view kInertia = "no body has a moment above the sum of the other two";
 
 template <class Interface>
@@ -322,9 +324,11 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
       JointRefusal{"ublox-*.baud", End::lower, "the line is too slow for the messages"},
       JointRefusal{"*.sensor.corrections.refix_shortest", End::upper, "above refix_longest"},
       JointRefusal{"*.sensor.corrections.refix_longest", End::lower, "below refix_shortest"},
+      JointRefusal{"*.faults.0.duty", End::upper, kOnce},
+      JointRefusal{"*.faults.0.every", End::upper, kAlways},
       JointRefusal{"velodyne-*.minimum_range", End::upper, "above maximum_range"},
       JointRefusal{"velodyne-*.faults.0.dead_laser.*", End::upper, "the model has fewer lasers"},
-      JointRefusal{"velodyne-*.faults.0.dirty_window.to", End::lower, "where the dirt begins"},
+      JointRefusal{"velodyne-*.faults.0.dirt.to", End::lower, "where the dirt begins"},
       JointRefusal{"velodyne-hdl-32e.inertial.*", End::lower, kUnitVector},
       JointRefusal{"velodyne-hdl-32e.inertial.*", End::upper, kUnitVector},
       JointRefusal{
@@ -397,6 +401,8 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
   };
   static constexpr std::array kCompanions{
       Companion{"gige-*", "sensor.looks.0.label", "ground"},
+      Companion{"*.faults.0.noisier.*", "faults.0.deviation", "1"},
+      Companion{"*.faults.0.dead_zone.*", "faults.0.width", "1"},
   };
   EveryKey keys(subject<ConfiguredDevice>(), kCompanions, kJoint, kMeaningless);
   EXPECT_GT(keys.run(), 900u);
@@ -521,18 +527,24 @@ TEST(EveryKeyEnds, of_scenes_are_where_describe_says) {
 }
 
 TEST(EveryKeyEnds, of_buses_are_where_describe_says) {
-  EveryKey keys(subject<BusConfiguration>(), {}, {});
+  static constexpr std::array kJoint{
+      JointRefusal{"faults.0.duty", End::upper, kOnce},
+      JointRefusal{"faults.0.every", End::upper, kAlways},
+  };
+  EveryKey keys(subject<BusConfiguration>(), {}, kJoint);
   EXPECT_GT(keys.run(), 10u);
 }
 
 TEST(EveryKeyEnds, of_modbus_lines_are_where_describe_says) {
   static constexpr std::array kCompanions{
       Companion{"faults.0.noise.*", "wire", "rtu"},
-      Companion{"faults.0.stuck.*", "faults.0.table", "holding"},
-      Companion{"faults.0.stuck.*", "faults.0.last", "9"},  // not more than one request reads
+      Companion{"faults.0.frozen.*", "faults.0.table", "holding"},
+      Companion{"faults.0.frozen.*", "faults.0.last", "9"},  // not more than one request reads
   };
   static constexpr std::array kJoint{
       JointRefusal{"response_delay.minimum", End::upper, "above maximum"},
+      JointRefusal{"faults.0.duty", End::upper, kOnce},
+      JointRefusal{"faults.0.every", End::upper, kAlways},
       JointRefusal{"faults.0.first", End::upper, "a range of addresses needs a table"},
       JointRefusal{"faults.0.last", End::lower, "a range of addresses needs a table"},
   };

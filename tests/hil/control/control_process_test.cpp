@@ -104,7 +104,7 @@ TEST_F(ControlProcess, CtlAddsListsAndClearsAFault) {
   const Json listed = Json::parse(ctl({"fault_list"}).output);
   EXPECT_GE(listed["faults"][0]["end_ns"], 2'000'000'000) << "in the past";
   EXPECT_LT(listed["faults"][0]["end_ns"], 2'010'000'000) << "later than the next slice";
-  EXPECT_TRUE(listed["targets"]["gnss"].contains("frozen_fix"));
+  EXPECT_TRUE(listed["targets"]["gnss"].contains("frozen"));
   const Done none = ctl({"fault_add", "on=gnss", "fault={type: motor_stall}"});
   EXPECT_EQ(none.code, 2);
   EXPECT_THAT(none.output, HasSubstr("jamming"));

@@ -179,7 +179,9 @@ TEST(InclinometerDescription, NamesMessagesAndQuantities) {
 }
 
 TEST_F(InclinometerRig, WhatItCannotBeIsRefusedWithTheKey) {
-  EXPECT_EQ(complaints_of("range: 45 deg, heartbeat: 0.5 s, power_cycles: [2 s]"), "");
+  EXPECT_EQ(
+      complaints_of("range: 45 deg, heartbeat: 0.5 s, faults: [{type: off, at: 2 s, for: 0.5 s}]"),
+      "");
   EXPECT_THAT(complaints_of("resolution: 20"),
               AllOf(HasSubstr("devices.boom.resolution"), HasSubstr("1, 10, 100, 1000")));
   EXPECT_THAT(complaints_of("filter: 5"), HasSubstr("devices.boom.filter"));

@@ -61,9 +61,9 @@ TEST_F(OwnClockRig, RatesOnTheWireAreThoseOfEachNodesClock) {
 }
 
 TEST_F(OwnClockRig, SupplyFailsAtTheRunsInstant) {
-  const LoadedRig loaded =
-      load("clock: {tolerance: 0 ppm, error: 1000 ppm}, power_cycles: [5.009 s]",
-           "clock: {tolerance: 0 ppm, jitter: 0 s}, power_cycles: [5.009 s]");
+  const LoadedRig loaded = load(
+      "clock: {tolerance: 0 ppm, error: 1000 ppm}, faults: [{type: off, at: 5.009 s, for: 0.5 s}]",
+      "clock: {tolerance: 0 ppm, jitter: 0 s}, faults: [{type: off, at: 5.009 s, for: 0.5 s}]");
   boost::asio::io_context io;
   Rig rig(loaded.configuration, io, {});
   const RunOutcome outcome = rig.executive().run_free(kStart + 5'400ms);

@@ -109,12 +109,12 @@ TEST_F(LidarKeys, TimeSourceIsAWordOrAReceiver) {
 TEST_F(LidarKeys, FaultsReachTheEmulator) {
   write("velodyne-vlp-16",
         "    faults:\n"
-        "      - {type: lost_packets, at: 1 s, for: 2 s, probability: 5 %}\n"
-        "      - {type: dirty_window, at: 0 s, from: 350 deg, to: 10 deg, transmission: 20 %}\n");
+        "      - {type: lost, at: 1 s, for: 2 s, share: 5 %}\n"
+        "      - {type: dirt, at: 0 s, from: 350 deg, to: 10 deg, transmission: 20 %}\n");
   const auto faults = settings().faults;
   ASSERT_EQ(faults.size(), 2U);
   EXPECT_EQ(faults[0].when, (FaultPeriod{std::chrono::seconds(1), std::chrono::seconds(2)}));
-  EXPECT_DOUBLE_EQ(std::get<emulators::LostPacketsFault>(faults[0].what).probability, 0.05);
+  EXPECT_DOUBLE_EQ(std::get<emulators::LostPacketsFault>(faults[0].what).share, 0.05);
   const auto& dirt = std::get<emulators::DirtyWindowFault>(faults[1].what);
   EXPECT_DOUBLE_EQ(dirt.from_deg, 350.0);
   EXPECT_DOUBLE_EQ(dirt.transmission, 0.2);

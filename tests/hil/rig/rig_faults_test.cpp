@@ -145,14 +145,10 @@ TEST_P(RigFaultsOf, WhatIsBegunWhileItRunsActsAsIfTheFileHadHadIt) {
   std::vector<std::string> emptied;
   std::vector<Request> requests;
   const auto take = [&](const std::string& path, const std::string& on, const Value& part) {
-    for (const char* list : {"faults", "unplugged"}) {
-      if (const Value* faults = part.find(list)) {
-        emptied.push_back(path + "." + list + "=[]");
-        for (const Value& fault : faults->items) {
-          Json keys = json_of(fault);
-          keys.emplace("type", list);
-          requests.push_back({FaultAddCommand{on, keys.dump()}, 100ms});
-        }
+    if (const Value* faults = part.find("faults")) {
+      emptied.push_back(path + ".faults=[]");
+      for (const Value& fault : faults->items) {
+        requests.push_back({FaultAddCommand{on, json_of(fault).dump()}, 100ms});
       }
     }
   };
@@ -194,10 +190,10 @@ TEST_F(RigFaultsTest, AnUnknownPairIsRefusedWithWhatThereIs) {
   const Json nobody = ask(FaultAddCommand{"gns", "{type: jamming}"});
   EXPECT_EQ(nobody["path"], "on");
   EXPECT_EQ(nobody["allowed"], "gnss, starfire, bus can");
-  const Json kind = ask(FaultAddCommand{"starfire", "{type: uart_noise}"});
+  const Json kind = ask(FaultAddCommand{"starfire", "{type: noise}"});
   EXPECT_EQ(kind["path"], "fault.type");
   EXPECT_THAT(std::string(kind["allowed"]), HasSubstr("jamming"));
-  const Json node = ask(FaultAddCommand{"bus can", "{type: disconnected, device: nobody}"});
+  const Json node = ask(FaultAddCommand{"bus can", "{type: unplugged, device: nobody}"});
   EXPECT_FALSE(node["ok"].get<bool>()) << node;
 }
 
@@ -223,7 +219,7 @@ TEST_F(RigFaultsTest, AStreamShowsIt) {
 }
 
 TEST_F(RigFaultsTest, WithoutAnInstantItBeginsAtOnceAndIsTold) {
-  const Json told = ask(FaultAddCommand{"gnss", "{type: frozen_fix, for: 3 s}"});
+  const Json told = ask(FaultAddCommand{"gnss", "{type: frozen, for: 3 s}"});
   EXPECT_EQ(told["fault"]["id"], 1);
   EXPECT_EQ(told["fault"]["begin_ns"], 1'000'000'000);
   EXPECT_EQ(told["fault"]["end_ns"], 4'000'000'000);
@@ -243,6 +239,122 @@ TEST_F(RigFaultsTest, WhatIsClearedEndsThere) {
   const Ran known = run(configured(std::to_string(end_ns - 1'000'000'000) + " ns"), {}, 6s);
   EXPECT_EQ(cleared.streams, known.streams);
 }
+
+/// A boom that the hand of nobody moves stays where it is; what is waited for is there at once, or
+/// never.
+TEST_F(RigFaultsTest, AFaultWaitsForAQuantityOfTheMachineAndBeginsThen) {
+  const RigConfiguration none =
+      load_rig(file_of("gnss"), {"devices.gnss.faults=[]", "devices.starfire.faults=[]"})
+          .configuration;
+  const std::string quantity = [&] {
+    boost::asio::io_context io;
+    const Rig rig(none, io, {});
+    return rig.truth().state_quantities().front().name;
+  }();
+  const auto waits = [&](const std::string& value) {
+    return Request{FaultAddCommand{"gnss", "{type: outage, for: 1 s, when: {quantity: " + quantity +
+                                               ", above: true, value: " + value + "}}"},
+                   1s};
+  };
+  const Ran without = run(none, {}, 3s);
+  const Ran met = run(none, {waits("-1e9"), {FaultListCommand{}, 2500ms}}, 3s);
+  EXPECT_NE(met.streams.at("gnss"), without.streams.at("gnss"));
+  EXPECT_EQ(met.answers.at(0)["fault"]["begin_ns"], nullptr);
+  EXPECT_THAT(std::string(met.answers.at(0)["fault"]["waits_for"]), HasSubstr(quantity + " above"));
+  const Json& begun = met.answers.at(1)["faults"].at(0);
+  EXPECT_EQ(begun["id"], 1);
+  EXPECT_GE(begun["begin_ns"].get<std::int64_t>(), 1'000'000'000);
+  EXPECT_LE(begun["begin_ns"].get<std::int64_t>(), 1'010'000'000);
+  EXPECT_EQ(run(none, {waits("-1e9")}, 3s).streams, met.streams) << "it does not repeat";
+
+  const Ran in_vain = run(none, {waits("1e9"), {FaultListCommand{}, 2500ms}}, 3s);
+  EXPECT_EQ(in_vain.streams, without.streams);
+  EXPECT_EQ(in_vain.answers.at(1)["faults"].at(0)["begin_ns"], nullptr);
+  const Ran cleared = run(none, {waits("1e9"), {FaultClearCommand{1}, 2s}}, 3s);
+  EXPECT_TRUE(cleared.answers.at(1)["ok"].get<bool>()) << cleared.answers.at(1);
+}
+
+TEST_F(RigFaultsTest, AQuantityThatTheMachineDoesNotHaveIsRefused) {
+  const Json nobody =
+      ask(FaultAddCommand{"gnss", "{type: outage, when: {quantity: warp, value: 1}}"});
+  EXPECT_FALSE(nobody["ok"].get<bool>());
+  EXPECT_EQ(nobody["path"], "fault.when.quantity");
+}
+
+TEST_F(RigFaultsTest, TheSeedDecidesWhichRepetitionsHappen) {
+  const auto with_seed = [](const std::string& seed) {
+    return load_rig(file_of("gnss"),
+                    {"devices.starfire.faults=[]", "seed=" + seed,
+                     "devices.gnss.faults=[{type: noise, every: 1 s, for: 0.5 s, probability: "
+                     "50 %, bit_error_rate: 0.01}]"})
+        .configuration;
+  };
+  std::map<std::string, std::uint64_t> first;
+  EXPECT_EQ(run(with_seed("1"), {}, 5s).streams, run(with_seed("1"), {}, 5s).streams);
+  EXPECT_NE(run(with_seed("1"), {}, 5s).streams, run(with_seed("2"), {}, 5s).streams);
+}
+
+// Every pair of a device that sends by itself and a kind that it can have. What only answers, a
+// Modbus unit, a USB plug or a camera without a client, is walked where its client is:
+// tests/emulators/modbus, tests/hil/wires/rig_usb_test.cpp, tests/conformance.
+
+class MatrixOf : public testing::TestWithParam<std::string> {
+  OneAtATime alone_;
+};
+
+/// A fault for three seconds, at the second 4: what it does shows on a wire, and two seconds and
+/// ten after its end the device sends as much as one that had none.
+TEST_P(MatrixOf, EachKindShowsAndTheDeviceRecovers) {
+  Problems problems;
+  const Value document = load_document(file_of(GetParam()), problems);
+  std::vector<std::string> emptied;
+  std::vector<std::pair<std::string, Json>> pairs;
+  for (const auto& [section, prefix] : {std::pair{"devices", ""}, {"buses", "bus "}}) {
+    if (const Value* parts = document.find(section)) {
+      for (const Value::Entry& part : parts->entries) {
+        const Value* faults = part.value.find("faults");
+        if (faults == nullptr) {
+          continue;
+        }
+        emptied.push_back(std::string(section) + "." + part.key + ".faults=[]");
+        std::set<std::string> seen;
+        for (const Value& fault : faults->items) {
+          Json keys = json_of(fault);
+          for (const char* when : {"at", "for", "until", "every", "duty", "probability", "ramp"}) {
+            keys.erase(when);
+          }
+          keys["for"] = "3 s";
+          if (seen.insert(keys["type"]).second) {
+            pairs.emplace_back(prefix + part.key, keys);
+          }
+        }
+      }
+    }
+  }
+  const RigConfiguration healthy = load_rig(file_of(GetParam()), emptied).configuration;
+  const std::vector<Request> looks{{ReadCommand{}, 17s}, {ReadCommand{}, 19s}};
+  const Ran without = run(healthy, looks, 19100ms);
+  const auto sent = [](const Ran& ran, std::size_t first, const std::string& device) {
+    return ran.answers.at(first + 1)["devices"][device]["frames"].get<double>() -
+           ran.answers.at(first)["devices"][device]["frames"].get<double>();
+  };
+  for (const auto& [on, keys] : pairs) {
+    SCOPED_TRACE(on + " " + keys.dump());
+    std::vector<Request> requests = looks;
+    requests.insert(requests.begin(), {FaultAddCommand{on, keys.dump()}, 4s});
+    const Ran with = run(healthy, requests, 19100ms);
+    ASSERT_TRUE(with.answers.at(0)["ok"].get<bool>()) << with.answers.at(0);
+    EXPECT_NE(with.streams, without.streams) << "nobody can see it";
+    for (const auto& [device, hash] : with.streams) {
+      const double usual = sent(without, 0, device);
+      EXPECT_NEAR(sent(with, 1, device), usual, std::max(2.0, 0.1 * usual))
+          << device << " has not recovered";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, MatrixOf, testing::Values("can", "gnss", "lidar"),
+                         [](const auto& test) { return test.param; });
 
 }  // namespace
 }  // namespace rigwire::hil

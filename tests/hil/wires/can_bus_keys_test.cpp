@@ -52,8 +52,8 @@ TEST_F(CanBusKeys, PortsAndServer) {
   const auto bus = load(
                        "    ports: 3\n    socketcand: {port: 29536, beacon: true, "
                        "error_mask: 0x1FFFFFFF}\n    faults:\n"
-                       "      - {type: disconnected, at: 1 s, device: client.2}\n"
-                       "      - {type: disconnected, at: 1 s, device: client.socketcand}\n")
+                       "      - {type: unplugged, at: 1 s, device: client.2}\n"
+                       "      - {type: unplugged, at: 1 s, device: client.socketcand}\n")
                        .buses.at("can");
   EXPECT_EQ(bus.ports, 3U);
   EXPECT_EQ(bus.socketcand.port, 29536U);
@@ -70,24 +70,24 @@ TEST_F(CanBusKeys, PortsThatAreTakenOrAreNotThereAreRefused) {
   EXPECT_THAT(complaints("    socketcand: {port: 29536, address: 192.168.1.5}\n"),
               HasSubstr("allow_remote"));
   EXPECT_THAT(complaints("    ports: 2\n    faults:\n"
-                         "      - {type: disconnected, at: 1 s, device: client.2}\n"),
+                         "      - {type: unplugged, at: 1 s, device: client.2}\n"),
               HasSubstr("client.1"));
   EXPECT_THAT(complaints("    faults:\n"
-                         "      - {type: disconnected, at: 1 s, device: client.socketcand}\n"),
+                         "      - {type: unplugged, at: 1 s, device: client.socketcand}\n"),
               HasSubstr("not on this bus"));
   EXPECT_THAT(complaints("    ports: 17\n"), HasSubstr("allowed 1 .. 16"));
 }
 
 TEST_F(CanBusKeys, FaultsAsTheBusModelTakesThem) {
   const auto bus = load(R"(    faults:
-      - {type: bit_errors, at: 1 s, for: 2 s, probability: 0.001}
+      - {type: noise, at: 1 s, for: 2 s, bit_error_rate: 0.001}
       - {type: disturbance, at: 1 s}
       - {type: disturbance, at: 1 s, bit: 20}
-      - {type: short_circuit, at: 1 s}
+      - {type: short, at: 1 s}
       - {type: wrong_rate, at: 1 s, device: imu_boom, bitrate: 500000}
-      - {type: disconnected, at: 1 s, device: client}
-      - {type: intruder, at: 1 s, frame: 18EAFFFE#00EE00, period: 5 ms}
-      - {type: duplicate_address, at: 1 s, address: 0x81, name: 0x8000830066E12345}
+      - {type: unplugged, at: 1 s, device: client}
+      - {type: inserted, at: 1 s, frame: 18EAFFFE#00EE00, period: 5 ms}
+      - {type: masquerade, at: 1 s, address: 0x81, name: 0x8000830066E12345}
 )")
                        .buses.at("can");
   using namespace emulators;
@@ -111,9 +111,9 @@ TEST_F(CanBusKeys, FaultsAsTheBusModelTakesThem) {
 }
 
 TEST_F(CanBusKeys, FaultOfADeviceThatIsNotOnTheBus) {
-  EXPECT_THAT(complaints("    faults: [{type: disconnected, at: 1 s, device: imu_bom}]\n"),
+  EXPECT_THAT(complaints("    faults: [{type: unplugged, at: 1 s, device: imu_bom}]\n"),
               HasSubstr("buses.can.faults.0.device: not on this bus"));
-  EXPECT_THAT(complaints("    faults: [{type: disconnected, at: 1 s, device: gnss}]\n"),
+  EXPECT_THAT(complaints("    faults: [{type: unplugged, at: 1 s, device: gnss}]\n"),
               HasSubstr("buses.can.faults.0.device: not on this bus"));
 }
 
@@ -125,7 +125,7 @@ TEST_F(CanBusKeys, DeviceNamedAsTheClientsNodeIsRefusedBeforeTheRun) {
 }
 
 TEST_F(CanBusKeys, IntruderWithoutAFrame) {
-  EXPECT_THAT(complaints("    faults: [{type: intruder, at: 1 s, frame: hello}]\n"),
+  EXPECT_THAT(complaints("    faults: [{type: inserted, at: 1 s, frame: hello}]\n"),
               AllOf(HasSubstr("buses.can"), HasSubstr("frame"), HasSubstr("hello")));
 }
 

@@ -27,12 +27,12 @@ struct Ephemeris {
   double group_delay_s = 0.0;           ///< TGD.
   /// Galileo: of E5a (the other is of E5b); BeiDou: of B2I; GPS: none.
   double second_delay_s = 0.0;
-  double clock_time_s = 0.0;            ///< toc, time of week.
-  double clock_bias_s = 0.0;            ///< af0.
-  double clock_drift = 0.0;             ///< af1, s/s.
-  double clock_drift_rate = 0.0;        ///< af2, s/s2.
-  double ephemeris_time_s = 0.0;        ///< toe, time of week.
-  double sqrt_semi_major_axis = 0.0;    ///< sqrt(m).
+  double clock_time_s = 0.0;          ///< toc, time of week.
+  double clock_bias_s = 0.0;          ///< af0.
+  double clock_drift = 0.0;           ///< af1, s/s.
+  double clock_drift_rate = 0.0;      ///< af2, s/s2.
+  double ephemeris_time_s = 0.0;      ///< toe, time of week.
+  double sqrt_semi_major_axis = 0.0;  ///< sqrt(m).
   double eccentricity = 0.0;
   double mean_anomaly_rad = 0.0;         ///< M0.
   double mean_motion_difference = 0.0;   ///< Delta n, rad/s.

@@ -78,7 +78,7 @@ void store_hits(const RTCRayHit8& packet, const HitSurfaces& surfaces, const Ray
                 RayGroup& group) {
   for (std::size_t i = 0; i < kLanes; ++i) {
     const auto to = static_cast<std::size_t>(choice.ray[i]);
-    const bool met = packet.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
+    const bool met = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
     group.range_m[to] = met ? packet.ray.tfar[i] : SubRayHits::kNothing;
     group.normal_x[to] = surfaces.normal_x[i];
     group.normal_y[to] = surfaces.normal_y[i];

@@ -231,7 +231,7 @@ struct Scene::Internals {
   std::vector<Terrain> terrains;
   Duration terrain_period{0};
   std::vector<std::string> bodies;
-  std::vector<bool> loose;          ///< Which of them are.
+  std::vector<bool> loose;               ///< Which of them are.
   std::vector<BodyMotion> body_motions;  ///< In the present slice.
   /// Null: everything is in its place. Never changed, only replaced: placements hold it.
   std::shared_ptr<const std::vector<DisplacedPiece>> displaced;

@@ -138,7 +138,7 @@ inline constexpr std::size_t kChassisPoints = 16;
 /// (solid). Obstacles meet the boxes alone.
 struct ChassisContactParameters {
   std::vector<ChassisPoint> points;  ///< At most kChassisPoints.
-  double stiffness_npm = 4.0e7;  ///< As hard as the boxes, and damped as they are.
+  double stiffness_npm = 4.0e7;      ///< As hard as the boxes, and damped as they are.
   double damping_nspm = 3.6e5;
 };
 void visit(fields::Visitor& v, ChassisContactParameters& p);

@@ -294,6 +294,7 @@ constexpr std::string_view kCameraBusy = "reading out and sending a picture take
 constexpr std::string_view kTooStiff = "lighter, or slower, than a contact's stiffness allows";
 constexpr std::string_view kDriveTooStiff = "stiffer than the step allows";
 constexpr std::string_view kOnce = "nothing is repeated";
+constexpr std::string_view kOfTheLine = "of faults of the Modbus line alone";
 constexpr std::string_view kAlways = "the repetitions have no length of their own";
 constexpr std::string_view kInertia = "no body has a moment above the sum of the other two";
 
@@ -334,6 +335,10 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
       JointRefusal{
           "valve-driver.watchdog", End::upper,
           "the built-in map's register holds up to 5 s; a map of one's own decides itself"},
+      JointRefusal{"valve-driver.faults.0.unit", End::upper, kOfTheLine},
+      JointRefusal{"valve-driver.faults.0.first", End::upper, kOfTheLine},
+      JointRefusal{"valve-driver.faults.0.last", End::lower, kOfTheLine},
+      JointRefusal{"valve-driver.faults.0.share", End::lower, kOfTheLine},
       JointRefusal{"*.coil_current_start", End::upper, "above coil_current_full"},
       JointRefusal{"*.coil_current_full", End::lower, "below coil_current_start"},
       JointRefusal{"*.electronics.supply_voltage", End::lower, "below under_voltage"},

@@ -107,7 +107,7 @@ void compare_packets(const Scene::Internals& in, RandomStream& random,
     cast(valid.data(), in.fixed.get(), &context, &packet);
     for (unsigned i = 0; i < kWidth; ++i) {
       if (valid[i] == 0) {
-        EXPECT_EQ(packet.hit.instID[0][i], kNone) << "a lane that is switched off";
+        // Nobody reads them: on some processors Embree casts lanes that are switched off, too.
         continue;
       }
       rtcIntersect1(in.fixed.get(), &context, &single[i]);

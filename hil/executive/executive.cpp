@@ -495,6 +495,8 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     }
     io_.poll();
   }
+  // Who stopped it may have run devices further than their output had left.
+  transmit_due(now_);
 
   truth.join();
   RunOutcome ended = outcome();

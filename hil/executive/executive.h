@@ -123,7 +123,7 @@ class Executive {
   /// For a handler that got bytes from a client: runs all devices up to the present and returns it.
   SimTime arrive();
 
-  /// Ends the run after the present event. From any thread.
+  /// Ends the run after the present event; what is due by then still leaves. From any thread.
   void stop();
   [[nodiscard]] bool stopped() const { return stopped_; }
 

@@ -14,9 +14,11 @@ option(RIGWIRE_PRECOMPILE "Read headers of others once, without a warning about 
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  # What ccache's manual asks for with precompiled headers.
+  # The sloppiness is what ccache's manual asks for with precompiled headers. The place of the tree
+  # is left out of what is compared: every clone on a machine builds from what another has built.
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
-    CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+    CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
+    CCACHE_NOHASHDIR=yes ${CCACHE_PROGRAM})
 endif()
 
 set(RIGWIRE_SANITIZE "" CACHE STRING "Sanitizers to build with, for example address,undefined")

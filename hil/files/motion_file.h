@@ -1,14 +1,7 @@
 // The motion of a machine, out of a file, for a machine that is moved by it
 // (sim/replay/replayed_machine.h).
 //
-//   MCAP (JSON messages, chunks not compressed), by the schemas of its channels:
-//     foxglove.FrameTransforms, foxglove.FrameTransform   poses of links by child_frame_id; of
-//                                                         parents that are no links, as in W
-//     foxglove.PoseInFrame                                poses of the first link
-//     rigwire.Motion, rigwire.Truth                       of a recording: velocities and
-//                                                         accelerations of its links, what its
-//                                                         ports read, the machine's fields
-//   CSV, a line of names and one for each instant, by its columns (docs/replay.md has the table)
+// Formats: MCAP (hil/files/motion_mcap.h) and CSV (hil/files/motion_csv.h).
 //
 // Zero. A recording's is the start of its run (`sim_s`), any other file's its first instant. An
 // instant t of the file is played at t - zero - start + offset.

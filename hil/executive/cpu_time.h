@@ -24,4 +24,19 @@ class StageTimer {
   double start_s_;
 };
 
+/// The same for stages that follow each other: one reading of the clock between two of them.
+class StageLaps {
+ public:
+  /// CPU time from here on belongs to the next lap.
+  void begin() { last_s_ = thread_cpu_seconds(); }
+  void end(double& account_s) {
+    const double now_s = thread_cpu_seconds();
+    account_s += now_s - last_s_;
+    last_s_ = now_s;
+  }
+
+ private:
+  double last_s_ = 0.0;
+};
+
 }  // namespace rigwire::hil

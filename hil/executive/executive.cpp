@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "hil/executive/cpu_time.h"
 #include "hil/executive/short_turns.h"
 #include "hil/executive/truth_source.h"
 
@@ -163,6 +162,12 @@ class Executive::TruthThread {
     return next_taken_at_ + truth_.slice();
   }
 
+  /// Consumer: wakes it with the next batch. False: one lies there already.
+  [[nodiscard]] bool await_batch() {
+    awaited_ = true;
+    return ring_.front() == nullptr;
+  }
+
   /// The clock goes otherwise than it did.
   void look_at_clock() { wake_.notify_one(); }
 
@@ -208,7 +213,9 @@ class Executive::TruthThread {
       if (!compute_slice()) {
         return;
       }
-      boost::asio::post(io_, [&woken = woken_] { woken = true; });
+      if (awaited_.exchange(false) || fault()) {
+        boost::asio::post(io_, [&woken = woken_] { woken = true; });
+      }
     }
   }
 
@@ -237,6 +244,7 @@ class Executive::TruthThread {
   boost::asio::io_context& io_;
   TruthSource& truth_;
   bool& woken_;  ///< Of the wire thread; written on it only.
+  std::atomic<bool> awaited_{false};
   Duration lead_;
   BatchRing ring_;
   SimTime frontier_ = kStart;
@@ -283,7 +291,7 @@ void Executive::fail(const std::string& what) {
 }
 
 void Executive::run_events(SimTime until) {
-  const StageTimer timer(wire_stages_.encoding_s);
+  laps_.begin();
   while (!stopped_ && !paused_) {
     const auto [first, at] = earliest(sources_, &EventSource::next_event);
     if (first == nullptr || at > until) {
@@ -298,6 +306,7 @@ void Executive::run_events(SimTime until) {
   if (!paused_ && !stopped_) {
     advance_to(std::max(now_, until));
   }
+  laps_.end(wire_stages_.encoding_s);
 }
 
 void Executive::advance_to(SimTime instant) {
@@ -306,11 +315,10 @@ void Executive::advance_to(SimTime instant) {
 }
 
 void Executive::transmit_due(SimTime until) {
-  const StageTimer timer(wire_stages_.writing_s);
   while (true) {
     const auto [first, due] = earliest(outlets_, &Outlet::next_due);
     if (first == nullptr || due > until) {
-      return;
+      break;
     }
     std::optional<Duration> lateness;
     if (clock_ != nullptr) {
@@ -318,6 +326,7 @@ void Executive::transmit_due(SimTime until) {
     }
     first->transmit_front(lateness);
   }
+  laps_.end(wire_stages_.writing_s);
 }
 
 void Executive::collect_requests(TruthRequests& requests) {
@@ -483,7 +492,11 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
       break;
     }
     // At the frontier only the next batch can help, and it wakes this thread; the deadline then
-    // only makes sure that a stalled truth thread is noticed.
+    // only makes sure that a stalled truth thread is noticed. Before it, batches are taken when
+    // this thread wakes for something else.
+    if (now_ >= frontier_ && !truth.await_batch()) {
+      continue;
+    }
     if (!paused_) {
       const SimTime wakeup = std::min(next_wakeup(), end);
       timer.arm(clock.wall_of(now_ < frontier_ ? std::min(wakeup, frontier_)
@@ -496,6 +509,7 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     io_.poll();
   }
   // Who stopped it may have run devices further than their output had left.
+  laps_.begin();
   transmit_due(now_);
 
   truth.join();

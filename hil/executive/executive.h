@@ -37,6 +37,7 @@
 #include <vector>
 
 #include "hil/executive/clock.h"
+#include "hil/executive/cpu_time.h"
 #include "hil/executive/event_source.h"
 #include "hil/executive/station.h"
 #include "hil/executive/truth_source.h"
@@ -172,6 +173,7 @@ class Executive {
   void route(const SampleBatch& batch);
   void advance_to(SimTime instant);
   void run_events(SimTime until);
+  /// After run_events(), or with laps_ begun.
   void transmit_due(SimTime until);
   void collect_requests(TruthRequests& requests);
   [[nodiscard]] SimTime next_wakeup() const;
@@ -193,6 +195,7 @@ class Executive {
   PacedClock* clock_ = nullptr;           ///< Set while paced.
   TruthThread* truth_thread_ = nullptr;   ///< Set while paced.
   WireStages wire_stages_;
+  StageLaps laps_;
   RunOutcome outcome_;   ///< Of the run that goes on, its counts alone.
   WallTime began_{};     ///< Of that run.
   bool behind_ = false;  ///< An overrun that is not made up.

@@ -325,6 +325,30 @@ class WheneverPaused {
   boost::asio::steady_timer timer_;
 };
 
+/// Something that never happens, and counts how often the loop asks when it will.
+class NeverDue final : public EventSource {
+ public:
+  [[nodiscard]] SimTime next_event() const override { return kNever; }
+  [[nodiscard]] SimTime next_wakeup() const override {
+    ++turns;
+    return kNever;
+  }
+  void advance(SimTime /*now*/) override {}
+  mutable int turns = 0;
+};
+
+// 50 slices, three of them a lead: each one woke the wire thread, which had nothing to do.
+TEST(Executive, SlicesThatAreAheadWakeNobody) {
+  Rig rig(10s);
+  NeverDue never;
+  rig.executive.add(never);
+  PacedSettings settings;
+  settings.factor = 0.1;
+  EXPECT_FALSE(rig.executive.run_paced(settings, kStart + 100ms).fault.has_value());
+  EXPECT_GT(never.turns, 5);
+  EXPECT_LT(never.turns, 40);
+}
+
 TEST(Executive, TimeStandsAtAnInstantWithAllBeforeItDoneAndNothingBehindIt) {
   Rig whole;
   whole.executive.run_free(kStart + 400ms);

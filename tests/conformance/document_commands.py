@@ -192,7 +192,7 @@ def neighbours(beside):
 def judge(command, how, expected):
     """What is wrong with it, or nothing."""
     run = f"script -qec '{command}' /dev/null" if command.startswith("cgps") else command
-    program = Running(run if how == "goes on" else f"timeout 60 bash -c {quoted(run)}", command)
+    program = Running(run if how == "goes on" else f"timeout 180 bash -c {quoted(run)}", command)
     if how == "ends":
         if not program.ended(70) or program.process.returncode != 0:
             return f"exit code {program.process.returncode}\n{program.output()}"

@@ -78,6 +78,35 @@ void walk_biases(Bits& bits, Record& p) {
   }
 }
 
+/// 1033: table 3.5-18; each text behind the count of its characters.
+template <class Bits, class Text>
+void walk_text(Bits& bits, Text& text) {
+  bits.whole(8, text.size);
+  for (std::size_t i = 0; i < std::min<std::size_t>(text.size, StationDescriptors::Text::kGreatest);
+       ++i) {
+    bits.whole(8, text.characters[i]);
+  }
+}
+
+template <class Bits, class Record>
+void walk_descriptors(Bits& bits, Record& p) {
+  bits.whole(kStationBits, p.station);
+  walk_text(bits, p.antenna);
+  bits.whole(8, p.set_up);
+  for (auto* text : {&p.antenna_serial, &p.receiver, &p.firmware, &p.receiver_serial}) {
+    walk_text(bits, *text);
+  }
+}
+
+/// False: a count that no text has.
+bool read_descriptors(BitReader& bits, StationDescriptors& p) {
+  walk_descriptors(bits, p);
+  return std::ranges::all_of(
+      std::array{p.antenna.size, p.antenna_serial.size, p.receiver.size, p.firmware.size,
+                 p.receiver_serial.size},
+      [](std::size_t size) { return size <= StationDescriptors::Text::kGreatest; });
+}
+
 /// 4072.0, ours.
 template <class Bits, class Record>
 void walk_moving(Bits& bits, Record& p) {
@@ -246,6 +275,9 @@ void write(BitWriter& bits, const LegacyObservations& p) {
 void write(BitWriter& bits, const GlonassBiases& p) {
   walk_biases(bits, p);
 }
+void write(BitWriter& bits, const StationDescriptors& p) {
+  walk_descriptors(bits, p);
+}
 void write(BitWriter& bits, const MovingBase& p) {
   walk_moving(bits, p);
 }
@@ -257,10 +289,16 @@ constexpr std::uint16_t kPosition = 1005;
 constexpr std::uint16_t kPositionAndHeight = 1006;
 constexpr std::uint16_t kGpsLegacy = 1004;
 constexpr std::uint16_t kGlonassLegacy = 1012;
+constexpr std::uint16_t kDescriptors = 1033;
 constexpr std::uint16_t kBiases = 1230;
 constexpr std::uint16_t kProprietary = 4072;
 
 }  // namespace
+
+StationDescriptors::Text::Text(std::string_view text)
+    : size(static_cast<std::uint8_t>(std::min(text.size(), kGreatest))) {
+  std::ranges::copy(text.substr(0, size), characters.begin());
+}
 
 std::uint16_t number_of(const Message& message) {
   struct Number {
@@ -268,6 +306,7 @@ std::uint16_t number_of(const Message& message) {
       return p.antenna_height_m ? kPositionAndHeight : kPosition;
     }
     std::uint16_t operator()(const GlonassBiases& /*p*/) const { return kBiases; }
+    std::uint16_t operator()(const StationDescriptors& /*p*/) const { return kDescriptors; }
     std::uint16_t operator()(const LegacyObservations& p) const {
       return p.glonass ? kGlonassLegacy : kGpsLegacy;
     }
@@ -292,6 +331,11 @@ Decoded<Message> decode_message(std::span<const std::uint8_t> payload) {
     case kGpsLegacy:
     case kGlonassLegacy:
       message = read_legacy(bits, number == kGlonassLegacy);
+      break;
+    case kDescriptors:
+      if (!read_descriptors(bits, message.emplace().emplace<StationDescriptors>())) {
+        return Malformed{"RTCM 3 text of at most 31 characters", kNumberBits / 8};
+      }
       break;
     case kBiases:
       walk_biases(bits, message.emplace().emplace<GlonassBiases>());

@@ -1,5 +1,6 @@
-// Messages of RTCM 3 that reference stations send and rovers take: station, observations in their
-// older form and as multiple signal messages, GLONASS biases, and a moving base's own.
+// Messages of RTCM 3 that reference stations send and rovers take: station, its antenna and
+// receiver, observations in their older form and as multiple signal messages, GLONASS biases, and a
+// moving base's own.
 //
 // Encoder and decoder of a message walk one description of its fields, so that what one writes the
 // other reads. Values are SI and full: ranges in metres, put together from what a message splits
@@ -18,6 +19,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <variant>
 
 #include "protocols/result.h"
@@ -54,6 +56,33 @@ struct GlonassBiases {
   std::array<std::optional<double>, 4> biases_m{};
 
   friend bool operator==(const GlonassBiases&, const GlonassBiases&) = default;
+};
+
+/// 1033: what the station's antenna and receiver are, by which rovers know its GLONASS biases.
+struct StationDescriptors {
+  /// Up to 31 characters, as the counter in front of them may say (DF029).
+  struct Text {
+    static constexpr std::size_t kGreatest = 31;
+
+    std::uint8_t size = 0;
+    std::array<char, kGreatest> characters{};
+
+    Text() = default;
+    /// What is longer is cut.
+    explicit Text(std::string_view text);
+    [[nodiscard]] std::string_view text() const { return {characters.data(), size}; }
+    friend bool operator==(const Text& a, const Text& b) { return a.text() == b.text(); }
+  };
+
+  std::uint16_t station = 0;
+  Text antenna;             ///< As the IGS names it, with its radome.
+  std::uint8_t set_up = 0;  ///< Changes with what is done to the antenna (DF031).
+  Text antenna_serial;
+  Text receiver;
+  Text firmware;
+  Text receiver_serial;
+
+  friend bool operator==(const StationDescriptors&, const StationDescriptors&) = default;
 };
 
 /// What is measured of one signal, in the older messages and in the newer ones.
@@ -150,13 +179,13 @@ struct MovingBase {
   friend bool operator==(const MovingBase&, const MovingBase&) = default;
 };
 
-using Message =
-    std::variant<AntennaPosition, GlonassBiases, LegacyObservations, MultipleSignals, MovingBase>;
+using Message = std::variant<AntennaPosition, GlonassBiases, StationDescriptors, LegacyObservations,
+                             MultipleSignals, MovingBase>;
 
 [[nodiscard]] std::uint16_t number_of(const Message& message);
 
 /// What a frame's payload says. Malformed: a number that is none of the above, a length that is too
-/// short for it, or masks that cannot be.
+/// short for it, or masks or lengths of texts that cannot be.
 [[nodiscard]] Decoded<Message> decode_message(std::span<const std::uint8_t> payload);
 
 /// Writes the frame; its size, at most kGreatestFrame. Precondition: `out` holds that.

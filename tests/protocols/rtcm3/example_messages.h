@@ -60,6 +60,17 @@ inline AntennaPosition example_position() {
   return p;
 }
 
+inline StationDescriptors example_descriptors() {
+  StationDescriptors p;
+  p.station = kExampleStation;
+  p.antenna = StationDescriptors::Text("LEIAR25.R4      LEIT");
+  p.set_up = 3;
+  p.receiver = StationDescriptors::Text("LEICA GR50 ");
+  p.firmware = StationDescriptors::Text("4.50");
+  p.receiver_serial = StationDescriptors::Text("1830399");
+  return p;
+}
+
 inline LegacyObservations example_legacy(bool glonass) {
   LegacyObservations p;
   p.glonass = glonass;

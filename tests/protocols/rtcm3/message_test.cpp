@@ -49,6 +49,26 @@ TEST(Rtcm3Message, BiasesTakeTheBytesThatTheirMaskSays) {
   EXPECT_FALSE(std::get<GlonassBiases>(*message).biases_m[1]);
 }
 
+// Texts behind their counts, of five lengths, one of them none.
+TEST(Rtcm3Message, DescriptorsComeBackAndALongerTextThanTheStandardHasIsRefused) {
+  const StationDescriptors written = example_descriptors();
+  const Bytes bytes = framed(written);
+  ASSERT_EQ(bytes.size(), 3U + 9U + 20U + 0U + 11U + 4U + 7U + 3U) << "heads and texts";
+  EXPECT_EQ(std::string(bytes.begin() + 3 + 4, bytes.begin() + 3 + 24), "LEIAR25.R4      LEIT");
+  const auto message = read(bytes);
+  ASSERT_TRUE(message.ok());
+  EXPECT_EQ(std::get<StationDescriptors>(*message), written);
+  // The receiver's count, after 3 bytes of number and station, antenna, set-up and no serial.
+  Bytes payload(bytes.begin() + 3, bytes.end() - 3);
+  ASSERT_EQ(payload[26], 11);
+  payload[26] = 32;
+  payload.resize(200);
+  EXPECT_TRUE(decode_message(payload).malformed());
+  payload[26] = 31;
+  EXPECT_TRUE(decode_message(payload).ok());
+  EXPECT_EQ(StationDescriptors::Text(std::string(40, 'x')).text(), std::string(31, 'x'));
+}
+
 void expect_observation(const SignalObservation& read, const SignalObservation& written,
                         double range_m, double phase_m, bool rates, double cn0_dbhz) {
   ASSERT_TRUE(read.range_m && read.phase_m);
@@ -183,8 +203,9 @@ TEST(Rtcm3Message, OwnMovingBaseComesBackAndAForeignOneIsNotRead) {
 }
 
 TEST(Rtcm3Message, EveryMessageCutShortIsMalformed) {
-  std::vector<Message> all{example_position(), example_legacy(false), example_legacy(true),
-                           GlonassBiases{.biases_m = {1.0, 2.0, 3.0, 4.0}}, MovingBase{}};
+  std::vector<Message> all{example_position(),    example_legacy(false),
+                           example_legacy(true),  GlonassBiases{.biases_m = {1.0, 2.0, 3.0, 4.0}},
+                           example_descriptors(), MovingBase{}};
   for (const bool full : {false, true}) {
     for (const MultipleSignals& p : example_systems(full)) {
       all.emplace_back(p);

@@ -78,13 +78,16 @@ class Rtcm3ToOthers : public ::testing::Test {
 TEST_F(Rtcm3ToOthers, GpsdReadsStationHeightAndOlderObservations) {
   AntennaPosition with_height = example_position();
   with_height.antenna_height_m = 1.2345;
-  const std::string lines = decoded_by_gpsd(
-      {example_position(), with_height, example_legacy(false), example_legacy(true)});
+  const std::string lines = decoded_by_gpsd({example_position(), with_height, example_descriptors(),
+                                             example_legacy(false), example_legacy(true)});
   EXPECT_NE(lines.find(R"("type":1005,"length":19,"station_id":2003)"), std::string::npos) << lines;
   EXPECT_NE(lines.find(R"("x":4139423.1234,"y":550210.9876,"z":-4804002.0005})"),
             std::string::npos);
   EXPECT_NE(lines.find(R"("type":1006,"length":21)"), std::string::npos);
   EXPECT_NE(lines.find(R"("z":-4804002.0005,"h":1.2345})"), std::string::npos);
+  EXPECT_NE(lines.find(R"("type":1033,"length":51,"station_id":2003,"desc":"LEIAR25.R4      LEIT",)"
+                       R"("setup_id":3,"serial":"","receiver":"LEICA GR50 ","firmware":"4.50"})"),
+            std::string::npos);
   EXPECT_NE(lines.find(R"("type":1004,"length":55,"station_id":2003,"tow":36030000,"sync":"true")"),
             std::string::npos);
   // Satellite 5: 26296296.244 m are 87 light milliseconds and 214352.40 m.

@@ -406,8 +406,8 @@ bool UbloxConfiguration::set_base(const CfgTmode3& wanted) {
 bool UbloxConfiguration::set_odometer(const CfgOdo& wanted) {
   constexpr std::uint8_t kProfile = 0x07;
   constexpr std::uint8_t kCustom = 4;
-  constexpr std::uint8_t kKnown = kOdoUse | kOdoFilteredSpeed | kOdoFilteredCourse;
-  // The low-speed course filter is not emulated.
+  constexpr std::uint8_t kKnown =
+      kOdoUse | kOdoLowSpeedCourse | kOdoFilteredSpeed | kOdoFilteredCourse;
   if (!profile_->odometer || wanted.version != 0 || (wanted.flags & ~kKnown) != 0 ||
       (wanted.profile & kProfile) > kCustom) {
     return false;

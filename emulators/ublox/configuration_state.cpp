@@ -247,6 +247,7 @@ void copy_sections(const UbloxConfigurationState& from, UbloxConfigurationState&
     to.station_in = from.station_in;
     to.station_filter = from.station_filter;
     to.carrier_mode = from.carrier_mode;
+    to.jamming_sensitive = from.jamming_sensitive;
     to.datum = from.datum;
   }
   if ((mask & kSectionReceiver) != 0) {

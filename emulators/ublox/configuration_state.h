@@ -36,10 +36,11 @@ struct UbloxConfigurationState {
   std::array<std::int8_t, 3> base_ecef_rest{};
   std::array<std::int32_t, 3> base_geodetic{};
   std::array<std::int8_t, 3> base_geodetic_rest{};
-  std::uint16_t station_out = 0;    ///< CFG-RTCM-DF003_OUT.
-  std::uint16_t station_in = 0;     ///< CFG-RTCM-DF003_IN,
-  std::uint8_t station_filter = 0;  ///< and DF003_IN_FILTER.
-  std::uint8_t carrier_mode = 3;    ///< CFG-NAVHPG-DGNSSMODE: 2 float, 3 fixed, 5 conservative.
+  std::uint16_t station_out = 0;       ///< CFG-RTCM-DF003_OUT.
+  std::uint16_t station_in = 0;        ///< CFG-RTCM-DF003_IN,
+  std::uint8_t station_filter = 0;     ///< and DF003_IN_FILTER.
+  std::uint8_t carrier_mode = 3;       ///< CFG-NAVHPG-DGNSSMODE: 2 float, 3 fixed, 5 conservative.
+  std::uint8_t jamming_sensitive = 1;  ///< CFG-SEC-JAMDET_SENSITIVITY_HI.
   protocols::ubx::CfgAnt antenna;
   protocols::ubx::CfgRxm power;
   std::array<protocols::ubx::CfgTp5, 2> pulses{};

@@ -332,6 +332,8 @@ constexpr std::array kBindings{
     whole<kOwn<&State::station_in>>(0x30090008),
     whole<kOwn<&State::station_filter>>(0x20090009),
     whole<kOwn<&State::carrier_mode>>(0x20140011),
+    // Signal security
+    whole<kOwn<&State::jamming_sensitive>>(0x10F60051),
     // Antenna supervision
     bits<kAntenna, 0>(0x10A3002E),
     bits<kAntenna, 1>(0x10A3002F),

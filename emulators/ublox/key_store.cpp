@@ -210,7 +210,6 @@ bool UbloxKeyStore::can_be_honoured(const UbloxConfigurationState& state,
          std::chrono::milliseconds{state.rate.measurement_period_ms} >= profile_->shortest_period &&
          systems_are_sound(std::span(state.systems).first(profile_->systems.size())) &&
          sentences_are_sound(state.nmea) &&
-         (state.odometer.flags & kOdoLowSpeedCourse) == 0 &&  // not emulated
          state.navx5.minimum_satellites <= state.navx5.maximum_satellites;
 }
 

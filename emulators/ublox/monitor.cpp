@@ -11,7 +11,9 @@
 #include "protocols/ubx/configuration.h"
 #include "protocols/ubx/identity.h"
 #include "protocols/ubx/monitor.h"
+#include "protocols/ubx/signal_security.h"
 #include "protocols/ubx/timing.h"
+#include "sim/samples/gnss_carriers.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -105,6 +107,9 @@ MonHw hardware(const UbloxMonitorView& view) {
 
 /// The bands of a receiver with two: both hear the same.
 std::size_t put_bands(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
+  // The middle of what recordings show: 6 to 24, 150 to 169.
+  constexpr std::int8_t kOffset = 15;
+  constexpr std::uint8_t kMagnitude = 160;
   const MonHw hearing = hardware(view);
   std::array<MonRfBlock, 2> bands;
   for (std::size_t band = 0; band < bands.size(); ++band) {
@@ -115,6 +120,8 @@ std::size_t put_bands(const UbloxMonitorView& view, std::span<std::uint8_t> out)
     bands[band].noise_per_ms = hearing.noise_per_ms;
     bands[band].gain_control = hearing.gain_control;
     bands[band].jamming_indicator = hearing.jamming_indicator;
+    bands[band].offset_i = bands[band].offset_q = kOffset;
+    bands[band].magnitude_i = bands[band].magnitude_q = kMagnitude;
   }
   const MonRfHead head{0, static_cast<std::uint8_t>(bands.size())};
   return encode_blocks<MonRfHead, MonRfBlock>(head, bands, out);
@@ -271,6 +278,53 @@ SecUniqid unique_number(const UbloxMonitorView& view) {
   return m;
 }
 
+/// Centre frequencies of the signals of the systems that are heard, each once.
+std::size_t put_signal_security(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
+  constexpr unsigned kJammingBits = 1;
+  constexpr std::uint8_t kJammingEnabled = 0x01;
+  constexpr std::uint8_t kSpoofingEnabled = 0x08;
+  constexpr unsigned kSpoofingBits = 4;
+  constexpr std::uint32_t kJammed = 1U << 24U;
+  constexpr std::uint8_t kIndicated = 2;
+  const UbloxSignalSecurity& security = view.security;
+  SecSigHead head;
+  head.flags = static_cast<std::uint8_t>(kJammingEnabled | security.jamming() << kJammingBits |
+                                         kSpoofingEnabled | security.spoofing() << kSpoofingBits);
+  std::array<SecSigBlock, 8> blocks;
+  const auto put = [&](GnssSystem system, bool second) {
+    constexpr double kKilohertz = 1e3;
+    const auto khz = static_cast<std::uint32_t>(carrier_hz(system, second, 0) / kKilohertz);
+    const auto known = std::span(blocks).first(head.frequencies);
+    const bool there = std::ranges::any_of(
+        known, [&](const SecSigBlock& block) { return (block.state & (kJammed - 1U)) == khz; });
+    if (!there && head.frequencies < blocks.size()) {
+      blocks[head.frequencies++].state = khz | (security.jamming() == kIndicated ? kJammed : 0U);
+    }
+  };
+  for (const bool second : {false, true}) {
+    for (const SatelliteView& seen : view.solution.satellites) {
+      if (seen.tracked && (!second || (has_second_carrier(seen.system) &&
+                                       view.configuration.second_enabled(seen.system)))) {
+        put(seen.system, second);
+      }
+    }
+  }
+  return encode_blocks<SecSigHead, SecSigBlock>(head, std::span(blocks).first(head.frequencies),
+                                                out);
+}
+
+std::size_t put_signal_log(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
+  std::array<SecSiglogEvent, UbloxSignalSecurity::kMostEvents> events;
+  SecSiglogHead head;
+  for (const UbloxSignalSecurity::Event& event : view.security.log()) {
+    events[head.events++] = {
+        static_cast<std::uint32_t>((view.security.time() - event.at) / std::chrono::seconds{1}),
+        static_cast<std::uint8_t>(event.detection), static_cast<std::uint8_t>(event.kind)};
+  }
+  return encode_blocks<SecSiglogHead, SecSiglogEvent>(head, std::span(events).first(head.events),
+                                                      out);
+}
+
 }  // namespace
 
 UbloxAntenna supervise(AntennaState state, const CfgAnt& settings) {
@@ -303,6 +357,8 @@ std::size_t encode_monitor(const UbloxMonitorView& view, MessageId id,
   if (id == MonGnss::kId) return encode(major_systems(view), out);
   if (id == MonPatchHead::kId) return encode(MonPatchHead{}, out);
   if (id == SecUniqid::kId) return encode(unique_number(view), out);
+  if (id == SecSigHead::kId) return put_signal_security(view, out);
+  if (id == SecSiglogHead::kId) return put_signal_log(view, out);
   if (id == LogInfo::kId) return encode(empty_log(), out);
   if (id == MonHw::kId) return encode(hardware(view), out);
   if (id == MonHw2::kId) return encode(radio_part(), out);

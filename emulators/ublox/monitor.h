@@ -2,7 +2,7 @@
 // chip, its memory, its time marks (classes MON, TIM, SEC and LOG, and AID-INI).
 //
 // Source: u-blox M8 receiver description, UBX-13003221 R28, sections 32.14.5 "UBX-LOG-INFO", 32.16
-// "UBX-MON", 32.19 "UBX-SEC" and 32.20 "UBX-TIM".
+// "UBX-MON", 32.19 "UBX-SEC" and 32.20 "UBX-TIM"; SEC-SIG, see signal_security.h.
 #pragma once
 
 #include <array>
@@ -13,6 +13,7 @@
 
 #include "emulators/ublox/configuration.h"
 #include "emulators/ublox/navigation_messages.h"
+#include "emulators/ublox/signal_security.h"
 #include "emulators/ublox/solution.h"
 #include "emulators/ublox/transmitter.h"
 #include "protocols/ubx/frame.h"
@@ -60,6 +61,7 @@ struct UbloxMonitorView {
   const UbloxPortStatistics& port;
   const UbloxAntenna& antenna;
   const UbloxTimeMark& mark;
+  const UbloxSignalSecurity& security;
   /// The second UART; null where the type has none.
   const UbloxTransmitter* second_line = nullptr;
   const UbloxPortStatistics* second_port = nullptr;
@@ -69,8 +71,8 @@ struct UbloxMonitorView {
 };
 
 /// Writes the UBX frame of MON-IO, MSGPP, RXBUF, TXBUF, HW, HW2, RXR, RF, COMMS, GNSS, PATCH,
-/// TIM-TP, TIM-TM2, AID-INI, LOG-INFO or SEC-UNIQID and returns its size; 0 when it is none of
-/// them. Precondition: out.size() >= kLongestNavigationFrame.
+/// TIM-TP, TIM-TM2, AID-INI, LOG-INFO, SEC-SIG, SEC-SIGLOG or SEC-UNIQID and returns its size; 0
+/// when it is none of them. Precondition: out.size() >= kLongestNavigationFrame.
 [[nodiscard]] std::size_t encode_monitor(const UbloxMonitorView& view, protocols::ubx::MessageId id,
                                          std::span<std::uint8_t> out);
 

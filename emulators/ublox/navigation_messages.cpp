@@ -162,14 +162,14 @@ NavPosllh posllh(const UbloxSolution& s) {
 NavStatus status(const UbloxSolution& s, const UbloxProfile& profile) {
   constexpr std::uint8_t kCorrectionsAvailable = 0x01;
   constexpr std::uint8_t kCarrierValid = 0x02;
-  constexpr std::uint8_t kNoSpoofing = 0x08;
+  constexpr unsigned kSpoofingBit = 3;
   const CarrierSolution carrier = carrier_of(s, profile);
   NavStatus m;
   m.fix_type = fix_type(s);
   m.flags = static_cast<std::uint8_t>(profile.status_flags | fix_flags(s));
   m.fix_status = static_cast<std::uint8_t>((s.differential ? kCorrectionsAvailable : 0) |
                                            (carrier != CarrierSolution::none ? kCarrierValid : 0));
-  m.flags2 = static_cast<std::uint8_t>((is_modern(profile) && s.fix_ok ? kNoSpoofing : 0) |
+  m.flags2 = static_cast<std::uint8_t>((is_modern(profile) ? s.spoofing << kSpoofingBit : 0) |
                                        carrier_flags(carrier));
   m.time_to_first_fix_ms = s.first_fix_ms;
   m.since_start_ms = s.since_start_ms;

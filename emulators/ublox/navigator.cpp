@@ -195,6 +195,7 @@ void UbloxNavigator::begin(SimTime now, const UbloxMemory& memory,
   heard_.clear();
   counted_ = kNever;
   had_course_ = false;
+  anchor_.reset();
   starts_ += begun_ ? 1 : 0;
   begun_ = true;
   searching_ = now;
@@ -409,6 +410,9 @@ void UbloxNavigator::take(const GnssSample& sample, const UbloxConfiguration& co
   s.geoid_separation_m = sample.geoid_separation_m;
   take_dilutions(sample);
   s.fix_ok = s.dimensions > 0 && within_limits(sample, configuration);
+  security_.look(sample.time, s.satellites, sample.radio, s.fix_ok,
+                 configuration.present().jamming_sensitive != 0);
+  s.spoofing = security_.spoofing_now();
   if (s.dimensions == 0) {
     lose_position(sample, configuration);
     return;
@@ -473,6 +477,7 @@ void UbloxNavigator::lose_position(const GnssSample& sample,
   s.speed_mps = std::hypot(s.velocity_ned_mps.x, s.velocity_ned_mps.y, s.velocity_ned_mps.z);
   counted_ = kNever;
   had_course_ = false;
+  anchor_.reset();
   s.heading_frozen = true;
   s.heading_accuracy_deg = 180.0;
   s.differential = false;
@@ -537,7 +542,7 @@ void UbloxNavigator::take_position(const GnssSample& sample,
       s.carrier != CarrierSolution::none ? sample.differential_age_s : std::nullopt;
   hold_position(limits);
   filter_speed(configuration.odometer());
-  take_course(configuration.odometer());
+  take_course(sample.time, configuration.odometer());
   count_distance(sample.time, configuration.odometer());
 }
 
@@ -624,10 +629,56 @@ void UbloxNavigator::hold_position(const CfgNav5& limits) {
   s.velocity_ned_mps = {};
 }
 
-void UbloxNavigator::take_course(const protocols::ubx::CfgOdo& odometer) {
+// Low-speed course over ground filter: "derives the course over ground from position at very low
+// speed" (UBX-18010802, 3.1.8.3.3). The way over which it does is not documented: a quarter of the
+// accuracy here, which a standing receiver does not wander within the time, and never below 5 cm.
+bool UbloxNavigator::take_slow_course(SimTime now, const protocols::ubx::CfgOdo& odometer,
+                                      double speed_mps) {
+  constexpr double kLeastWay_m = 0.05;
+  constexpr double kWayOfAccuracy = 0.25;
+  constexpr double kNoiseOfAccuracy = 0.05;
+  constexpr Duration kLongest = 10s;
+  UbloxSolution& s = solution_;
+  if ((odometer.flags & protocols::ubx::kOdoLowSpeedCourse) == 0 ||
+      speed_mps >= odometer.course_speed_dmps * 0.1 ||
+      s.horizontal_accuracy_m > odometer.course_accuracy_m) {
+    anchor_.reset();
+    return false;
+  }
+  const Anchor here{s.latitude_deg, s.longitude_deg, now};
+  if (!anchor_) {
+    anchor_ = here;
+    return false;
+  }
+  const double way_m = distance_m(anchor_->latitude_deg, anchor_->longitude_deg, here.latitude_deg,
+                                  here.longitude_deg);
+  if (way_m >= std::max(kLeastWay_m, kWayOfAccuracy * s.horizontal_accuracy_m)) {
+    const double north_deg = here.latitude_deg - anchor_->latitude_deg;
+    const double east_deg = std::remainder(here.longitude_deg - anchor_->longitude_deg, 360.0) *
+                            std::cos(here.latitude_deg * kDegree);
+    s.heading_deg = std::fmod(std::atan2(east_deg, north_deg) / kDegree + 360.0, 360.0);
+    s.heading_accuracy_deg =
+        std::atan2(kNoiseOfAccuracy * s.horizontal_accuracy_m, way_m) / kDegree;
+    s.heading_frozen = false;
+    had_course_ = true;
+    anchor_ = here;
+    return true;
+  }
+  if (now - anchor_->since >= kLongest) {
+    anchor_ = here;  // it stands
+    return false;
+  }
+  // On its way from there: the course is the last one, if it has had one since it is slow.
+  return !s.heading_frozen;
+}
+
+void UbloxNavigator::take_course(SimTime now, const protocols::ubx::CfgOdo& odometer) {
   UbloxSolution& s = solution_;
   const Vector3& v = s.velocity_ned_mps;
   const double speed_mps = std::hypot(v.x, v.y);
+  if (take_slow_course(now, odometer, speed_mps)) {
+    return;
+  }
   const double axis_mps = s.speed_accuracy_mps / std::numbers::sqrt3;
   // Course's uncertainty: the angle of one axis's speed error against the speed.
   const double uncertainty_deg = std::atan2(axis_mps, speed_mps) / kDegree;

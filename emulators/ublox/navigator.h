@@ -23,6 +23,7 @@
 #include "emulators/ublox/configuration.h"
 #include "emulators/ublox/geodesy.h"
 #include "emulators/ublox/settings.h"
+#include "emulators/ublox/signal_security.h"
 #include "emulators/ublox/solution.h"
 #include "sim/samples/calendar.h"
 
@@ -52,7 +53,10 @@ class UbloxNavigator {
   UbloxNavigator(const UbloxSettings& settings, const Calendar& calendar);
 
   /// Power-on or reset of the whole receiver: the counter of NAV-STATUS begins.
-  void power_on(SimTime now) { powered_ = now; }
+  void power_on(SimTime now) {
+    powered_ = now;
+    security_.restart();
+  }
   /// Begins to look for satellites. The first time the settings' time to first fix counts; later
   /// what is remembered decides.
   void begin(SimTime now, const UbloxMemory& memory, const UbloxConfiguration& configuration);
@@ -83,6 +87,7 @@ class UbloxNavigator {
   void aid_time(SimTime now, const UbloxConfiguration& configuration);
 
   [[nodiscard]] const UbloxSolution& solution() const { return solution_; }
+  [[nodiscard]] const UbloxSignalSecurity& security() const { return security_; }
 
  private:
   struct Hold {
@@ -105,7 +110,9 @@ class UbloxNavigator {
   void take_position(const GnssSample& sample, const UbloxConfiguration& configuration);
   void hold_position(const protocols::ubx::CfgNav5& limits);
   void filter_speed(const protocols::ubx::CfgOdo& odometer);
-  void take_course(const protocols::ubx::CfgOdo& odometer);
+  void take_course(SimTime now, const protocols::ubx::CfgOdo& odometer);
+  /// The course of slow motion, from positions; false where it is not to be had so.
+  bool take_slow_course(SimTime now, const protocols::ubx::CfgOdo& odometer, double speed_mps);
   void count_distance(SimTime now, const protocols::ubx::CfgOdo& odometer);
   /// Before all orbits are heard: only satellites whose orbit is known stay used.
   void keep_known_orbits(SimTime now);
@@ -114,6 +121,7 @@ class UbloxNavigator {
   Duration cold_start_;
   std::int32_t default_leap_seconds_;
   UbloxSolution solution_;
+  UbloxSignalSecurity security_;
   SimTime powered_ = kStart;
   SimTime searching_ = kStart;
   Duration time_to_first_fix_{0};
@@ -127,6 +135,13 @@ class UbloxNavigator {
   bool hearing_orbits_ = false;
   std::vector<std::pair<GnssSystem, std::uint8_t>> heard_;
   bool had_course_ = false;
+  /// Where the course of slow motion was last taken from, and when.
+  struct Anchor {
+    double latitude_deg = 0.0;
+    double longitude_deg = 0.0;
+    SimTime since{};
+  };
+  std::optional<Anchor> anchor_;
   SimTime counted_ = kNever;  ///< The odometer's last fix.
   /// By which accuracies are greater than the sample's: horizontal, vertical, time.
   std::array<double, 3> dilution_ratio_{1.0, 1.0, 1.0};

@@ -825,6 +825,7 @@ UbloxMonitorView UbloxReceiver::monitor_view() const {
           .port = port_,
           .antenna = antenna_,
           .mark = mark_,
+          .security = navigator_.security(),
           .second_line = profile_.carrier_solution ? &second_.line() : nullptr,
           .second_port = profile_.carrier_solution ? &second_.port() : nullptr,
           .receive_capacity = kInputBytes,

@@ -59,6 +59,7 @@ struct UbloxSolution {
   std::optional<UbloxBase> base;
   bool time_only = false;  ///< Its own place is known, as a base station's: fix type 5.
   UbloxSurvey survey;
+  std::uint8_t spoofing = 0;  ///< NAV-STATUS spoofDetState of this epoch.
   bool has_position = false;
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;

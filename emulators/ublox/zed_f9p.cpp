@@ -11,9 +11,11 @@
 
 #include "emulators/ublox/configuration_state.h"
 #include "emulators/ublox/message_rows.h"
+#include "emulators/ublox/signal_security.h"
 #include "protocols/ubx/configuration_keys.h"
 #include "protocols/ubx/identity.h"
 #include "protocols/ubx/raw_measurements.h"
+#include "protocols/ubx/signal_security.h"
 #include "protocols/ubx/timing.h"
 
 namespace rigwire::emulators {
@@ -60,6 +62,8 @@ constexpr std::array kState{
     unasked(produced<ubx::NavEoe>("NAV-EOE")),
     listed<ubx::MonRfHead, ubx::MonRfBlock>("MON-RF", 2),
     listed<ubx::MonCommsHead, ubx::MonCommsPort>("MON-COMMS", 1),
+    listed<ubx::SecSigHead, ubx::SecSigBlock>("SEC-SIG", 8),
+    listed<ubx::SecSiglogHead, ubx::SecSiglogEvent>("SEC-SIGLOG", UbloxSignalSecurity::kMostEvents),
 };
 constexpr std::array kReceived{
     unasked(listed({0x02, 0x13}, "RXM-SFRBX", kSignals * 56 - ubx::kOverheadBytes)),

@@ -15,6 +15,7 @@
 #include "protocols/ubx/monitor.h"
 #include "protocols/ubx/navigation.h"
 #include "protocols/ubx/raw_measurements.h"
+#include "protocols/ubx/signal_security.h"
 #include "protocols/ubx/timing.h"
 #include "protocols/ubx/version.h"
 
@@ -88,6 +89,8 @@ void every_message(const FrameView& frame) {
   block_round_trip<MonIoHead, MonIoPort>(frame);
   block_round_trip<MonRfHead, MonRfBlock>(frame);
   block_round_trip<MonCommsHead, MonCommsPort>(frame);
+  block_round_trip<SecSigHead, SecSigBlock>(frame);
+  block_round_trip<SecSiglogHead, SecSiglogEvent>(frame);
   block_round_trip<RxmRawHead, RxmRawBlock>(frame);
   block_round_trip<RxmSfrbxHead, RxmSfrbxWord>(frame);
   block_round_trip<RxmRawxHead, RxmRawxBlock>(frame);

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "child_process.h"
+#include "protocols/rtcm3/frame.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/blocks.h"
 #include "protocols/ubx/identity.h"
@@ -226,12 +227,62 @@ TEST_F(UbloxModelsTest, SpeedAndCourseAreFilteredWhenCfgOdoSaysSo) {
   EXPECT_EQ(turned.heading_e5deg, 2'250'000) << "a quarter of the way from north to east";
 }
 
+// At 0.06 m/s the velocity has no course; the way has one, of what moves and not of what stands.
+TEST_F(UbloxModelsTest, TheCourseOfSlowMotionComesFromPositionsWhenCfgOdoSaysSo) {
+  for (const bool filtered : {false, true}) {
+    line_ = {};
+    now_ = kStart;
+    UbloxSettings settings = of(ublox_zed_f9p());
+    settings.ubx_messages = {"NAV-PVT"};
+    UbloxReceiver receiver(settings, calendar_, line_);
+    CfgOdo wanted;
+    wanted.flags = filtered ? kOdoLowSpeedCourse : 0;
+    wanted.course_speed_dmps = 2;
+    wanted.course_accuracy_m = 1;
+    run(receiver, kStart + 500ms);
+    say(receiver, wanted);
+    const auto creep = [&](double metres_per_s) {
+      return [this, metres_per_s](GnssSample& s) {
+        constexpr double kDegreesPerMetre = 1.0 / 111'195.0;
+        // South-west.
+        const double way_m = metres_per_s * to_seconds(s.time);
+        s.latitude_deg -= kDegreesPerMetre * way_m * 0.6;
+        s.longitude_deg -= kDegreesPerMetre * way_m * 0.8 / std::cos(s.latitude_deg / 57.29578);
+        s.velocity_ned_mps = {-0.036, -0.048, 0.0};
+        s.horizontal_accuracy_m = 0.02;
+      };
+    };
+    run(receiver, kStart + 20s, creep(0.06));
+    const NavPvt92 moving = decoded<NavPvt92>().back();
+    EXPECT_EQ(moving.heading_accuracy_e5deg < 5 * 100'000, filtered);
+    if (filtered) {
+      EXPECT_NEAR(moving.heading_e5deg * 1e-5, 233.13, 0.5);
+    }
+    // It stands, and says so after ten seconds at most.
+    line_.clear();
+    run(receiver, kStart + 40s, [&](GnssSample& s) {
+      creep(0.06)(s);
+      const GnssSample still = good_sample(s.time);
+      s.latitude_deg = still.latitude_deg;
+      s.longitude_deg = still.longitude_deg;
+    });
+    EXPECT_EQ(decoded<NavPvt92>().back().heading_accuracy_e5deg, 180U * 100'000);
+    // Beyond the accuracy that is asked for it does not try.
+    line_.clear();
+    run(receiver, kStart + 60s, [&](GnssSample& s) {
+      creep(0.06)(s);
+      s.horizontal_accuracy_m = 1.5;
+    });
+    EXPECT_EQ(decoded<NavPvt92>().back().heading_accuracy_e5deg, 180U * 100'000);
+  }
+}
+
 TEST_F(UbloxModelsTest, WhatCannotBeHonouredOfOdometerAndPowerIsRefused) {
   UbloxReceiver receiver(of(ublox_neo_m8()), calendar_, line_);
   settle(receiver);
-  CfgOdo course;
-  course.flags = kOdoLowSpeedCourse;
-  say(receiver, course);
+  CfgOdo unknown;
+  unknown.flags = 0x10;
+  say(receiver, unknown);
   CfgPms balanced;
   balanced.mode = 1;
   say(receiver, balanced);
@@ -317,6 +368,25 @@ TEST_F(UbloxModelsTest, CorrectionsThatComeInAreReported) {
   EXPECT_EQ(report.message, 1005);
   EXPECT_EQ(report.station, 2003);
   EXPECT_EQ(report.flags, 0x04) << "used";
+
+  // Antenna and receiver of the station: 1033 of an empty description is taken, 1007 is not.
+  const auto framed = [](const Bytes& payload) {
+    Bytes frame(protocols::rtcm3::kGreatestFrame);
+    frame.resize(protocols::rtcm3::encode_frame(payload, frame));
+    return frame;
+  };
+  for (const std::uint16_t number : {std::uint16_t{1033}, std::uint16_t{1007}}) {
+    Bytes payload{static_cast<std::uint8_t>(number >> 4U),
+                  static_cast<std::uint8_t>((number & 0xFU) << 4U | 2003U >> 8U),
+                  static_cast<std::uint8_t>(2003U & 0xFFU)};
+    payload.resize(9);
+    line_.clear();
+    receiver.receive(now_, framed(payload));
+    run(receiver, now_ + 100ms);
+    ASSERT_THAT(ids(), ElementsAre(RxmRtcm::kId));
+    EXPECT_EQ(decoded<RxmRtcm>().front().message, number);
+    EXPECT_EQ(decoded<RxmRtcm>().front().flags, number == 1033 ? 0x04 : 0x02);
+  }
 
   // Of a broken frame its number is told, and that its checksum is wrong.
   Bytes broken = correction;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -253,6 +254,50 @@ TEST_F(UbloxReceiverInputTest, SurvivesAMegabyteOfNoise) {
   receiver.receive(now_, Bytes(1100, 0));
   say(receiver, CfgRate{500, 1, 1});
   EXPECT_EQ(receiver.sample_plan().period, 500ms);
+}
+
+// A link that trickles, and one that makes up the beginning of the longest frame there is: the
+// frames behind it are late, none is lost. On both ports.
+TEST_F(UbloxReceiverInputTest, CorrectionsThatTrickleThroughGarbageAreAllTaken) {
+  // Message 1005 of station 2003, the standard's example.
+  const Bytes correction{0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98,
+                         0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62, 0xAC, 0x09,
+                         0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98};
+  constexpr std::size_t kFrames = 60;
+  Bytes stream{0xD3, 0x03, 0xFF};  // 1023 bytes are to follow
+  std::mt19937 random(3);
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    stream.insert(stream.end(), correction.begin(), correction.end());
+    for (std::size_t k = random() % 4; k > 0; --k) {
+      stream.push_back(static_cast<std::uint8_t>(random() % 0xD3));
+    }
+  }
+  // The last of them are taken when what was promised could have come.
+  stream.insert(stream.end(), 1'100, 0);
+  for (const bool second : {false, true}) {
+    now_ = kStart;
+    line_ = {};
+    UbloxSettings settings = quiet();
+    settings.profile = &ublox_zed_f9p();
+    UbloxReceiver receiver(settings, calendar_, line_);
+    run(receiver, kStart + 500ms);
+    for (const std::uint8_t byte : stream) {
+      if (second) {
+        receiver.receive_second(now_, {&byte, 1}, receiver.second_baud());
+      } else {
+        receiver.receive(now_, {&byte, 1});
+      }
+      now_ += 50ms;  // 20 bytes per second
+      receiver.advance(now_);
+    }
+    say(receiver, MonMsgpp::kId, {});
+    run(receiver, now_ + 300ms);
+    const auto report = decoded<MonMsgpp>();
+    ASSERT_EQ(report.size(), 1U);
+    constexpr std::size_t kPerPort = 8;
+    constexpr std::size_t kRtcm3 = 5;
+    EXPECT_EQ(report[0].messages[kPerPort * (second ? kPortUart2 : kPortUart1) + kRtcm3], kFrames);
+  }
 }
 
 TEST_F(UbloxReceiverInputTest, UnknownSentenceIsAnswered) {

@@ -752,11 +752,18 @@ bool UbloxReceiver::speaks(std::uint16_t protocol) const {
 
 void UbloxReceiver::publish(SimTime now, bool navigated) {
   const auto messages = profile_.messages;
+  std::optional<nmea::Epoch> told;  // the same for all sentences
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const std::uint8_t rate = configuration_.message_rate(i);
     const bool due = navigated ? rate != 0 && epoch_number_ % rate == 0
                                : rate == 1 && UbloxRawMessages::handles(messages[i].id);
-    if (due && !messages[i].rtcm && !waits_for_event(messages[i].id)) {
+    if (!due || messages[i].rtcm || waits_for_event(messages[i].id)) {
+      continue;
+    }
+    if (messages[i].sentence && speaks(ubx::kProtocolNmea)) {
+      told = told ? told : nmea_epoch(navigator_.solution(), configuration_, in_view_);
+      send_sentence(now, messages[i].name, *told);
+    } else {
       send_message(now, messages[i]);
     }
   }
@@ -872,7 +879,10 @@ void UbloxReceiver::send_sentence(SimTime now, std::string_view name) {
   if (!speaks(ubx::kProtocolNmea)) {
     return;
   }
-  const nmea::Epoch epoch = nmea_epoch(navigator_.solution(), configuration_, in_view_);
+  send_sentence(now, name, nmea_epoch(navigator_.solution(), configuration_, in_view_));
+}
+
+void UbloxReceiver::send_sentence(SimTime now, std::string_view name, const nmea::Epoch& epoch) {
   if (name == "PUBX,04") {
     send(now, nmea::write_pubx_time(epoch, pubx_time(navigator_.solution())).bytes());
     return;

@@ -124,6 +124,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void publish_corrections(SimTime now);
   [[nodiscard]] UbloxCorrectionContent correction_content() const;
   void send_sentence(SimTime now, std::string_view name);
+  void send_sentence(SimTime now, std::string_view name, const protocols::nmea::Epoch& epoch);
   void send_text(SimTime now, protocols::nmea::TextKind kind, std::string_view text);
   void send(SimTime now, std::span<const std::uint8_t> message);
   [[nodiscard]] std::size_t encode(protocols::ubx::MessageId id, std::span<std::uint8_t> out);

@@ -1,7 +1,7 @@
 #include "protocols/nmea/sentence.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 
 namespace rigwire::protocols::nmea {
 namespace {
@@ -107,23 +107,59 @@ Sentence& Sentence::field(std::string_view text) {
   return *this;
 }
 
-// The formats are literals of our own, checked by the tests of every sentence.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wformat-nonliteral"
-Sentence& Sentence::number(const char* format, double value) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  const std::string_view printed = text.data();
+Sentence& Sentence::decimal(int decimals, double value) {
+  constexpr std::size_t kGreatest = 309 /*digits of a double*/ + 2 /*sign, point*/ + 16;
+  std::array<char, kGreatest> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
+                                 std::chars_format::fixed, decimals);
+  const std::string_view printed(text.data(), end.ptr);
   const bool negative_zero = printed.find_first_not_of("-0.") == std::string_view::npos;
   return field(printed.substr(negative_zero && printed.starts_with('-') ? 1 : 0));
 }
 
-Sentence& Sentence::number(const char* format, int value) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return field(text.data());
+Sentence& Sentence::number(int digits, int value) {
+  return field(Digits().put(digits, value).text());
 }
-#pragma GCC diagnostic pop
+
+Sentence& Sentence::hexadecimal(int value) {
+  constexpr unsigned kBits = 4;
+  std::array<char, 8> text{};
+  std::size_t at = text.size();
+  for (auto rest = static_cast<unsigned>(value); at == text.size() || rest != 0; rest >>= kBits) {
+    text[--at] = kDigits[rest % (1U << kBits)];
+  }
+  return field({text.data() + at, text.size() - at});
+}
+
+Digits& Digits::put(int digits, std::int64_t value) {
+  constexpr std::uint64_t kTen = 10;
+  const auto size =
+      value < 0 ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
+  // From the last digit to the first.
+  std::array<char, 20> reversed{};
+  std::size_t count = 0;
+  for (std::uint64_t rest = size; count == 0 || rest != 0; rest /= kTen) {
+    reversed[count++] = kDigits[rest % kTen];
+  }
+  if (value < 0) {
+    letter('-');
+    --digits;
+  }
+  for (auto zeros = static_cast<int>(count); zeros < digits; ++zeros) {
+    letter('0');
+  }
+  while (count > 0) {
+    letter(reversed[--count]);
+  }
+  return *this;
+}
+
+Digits& Digits::letter(char c) {
+  if (size_ < characters_.size()) {
+    characters_[size_++] = c;
+  }
+  return *this;
+}
 
 std::string_view Sentence::text() {
   if (!finished_) {

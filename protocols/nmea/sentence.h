@@ -51,6 +51,21 @@ struct SentenceView {
 /// Offset of the first '$' at or after `from`; bytes.size() when there is none.
 [[nodiscard]] std::size_t find_start(std::span<const std::uint8_t> bytes, std::size_t from);
 
+/// Whole numbers next to each other, as "082307.00" is made of.
+class Digits {
+ public:
+  /// With zeros in front up to so many digits, a minus sign before them and counted among them, as
+  /// printf has it.
+  Digits& put(int digits, std::int64_t value);
+  Digits& point() { return letter('.'); }
+  Digits& letter(char c);
+  [[nodiscard]] std::string_view text() const { return {characters_.data(), size_}; }
+
+ private:
+  std::array<char, 64> characters_{};
+  std::size_t size_ = 0;
+};
+
 /// A sentence being written. Text beyond kLongestWritten is cut (no sentence of ours comes near
 /// it).
 class Sentence {
@@ -59,9 +74,12 @@ class Sentence {
 
   Sentence& field(std::string_view text);
   Sentence& empty() { return field({}); }
-  /// printf-style with one number: "%.2f". What rounds to zero has no minus sign.
-  Sentence& number(const char* format, double value);
-  Sentence& number(const char* format, int value);
+  /// With so many decimals, exactly rounded. What rounds to zero has no minus sign.
+  Sentence& decimal(int decimals, double value);
+  /// With zeros in front up to so many digits.
+  Sentence& number(int digits, int value);
+  /// Capital digits.
+  Sentence& hexadecimal(int value);
 
   /// Adds checksum and line end on first use. The view lives as long as the sentence.
   std::string_view text();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "protocols/nmea/satellite_numbers.h"
 
@@ -29,18 +28,18 @@ void put_angle(Sentence& sentence, double angle_deg, int degree_digits, int deci
   }
   const long long rounded = std::llround(angle_deg * 60.0 * static_cast<double>(unit));
   const long long size = std::abs(rounded);
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%0*lld%02lld.%0*lld", degree_digits, size / unit / 60,
-                size / unit % 60, decimals, size % unit);
-  sentence.field(text.data());
+  Digits text;
+  text.put(degree_digits, size / unit / 60).put(2, size / unit % 60);
+  sentence.field(text.point().put(decimals, size % unit).text());
   sentence.field(hemispheres.substr(rounded < 0 ? 1 : 0, 1));
 }
 
 Sentence begin_sentence(std::string_view talker, std::string_view type) {
   std::array<char, 8> address{};
-  std::snprintf(address.data(), address.size(), "%.*s%.*s", static_cast<int>(talker.size()),
-                talker.data(), static_cast<int>(type.size()), type.data());
-  return Sentence(address.data());
+  const std::string_view first = talker.substr(0, address.size() / 2);
+  const std::string_view second = type.substr(0, address.size() / 2);
+  std::ranges::copy(second, std::ranges::copy(first, address.begin()).out);
+  return Sentence({address.data(), first.size() + second.size()});
 }
 
 bool has_fix(const Epoch& epoch) {
@@ -80,10 +79,9 @@ void put_time(Sentence& sentence, const std::optional<TimeOfDay>& time) {
     sentence.empty();
     return;
   }
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%02d%02d%02d.%02d", time->hour, time->minute,
-                time->second, time->hundredths);
-  sentence.field(text.data());
+  Digits text;
+  text.put(2, time->hour).put(2, time->minute).put(2, time->second);
+  sentence.field(text.point().put(2, time->hundredths).text());
 }
 
 void put_date(Sentence& sentence, const std::optional<Date>& date) {
@@ -91,9 +89,7 @@ void put_date(Sentence& sentence, const std::optional<Date>& date) {
     sentence.empty();
     return;
   }
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%02d%02d%02d", date->day, date->month, date->year % 100);
-  sentence.field(text.data());
+  sentence.field(Digits().put(2, date->day).put(2, date->month).put(2, date->year % 100).text());
 }
 
 /// Two fields: latitude and hemisphere, then longitude and hemisphere, however there is a fix.
@@ -114,27 +110,23 @@ void put_position(Sentence& sentence, const Epoch& epoch) {
 }
 
 void put_altitude(Sentence& sentence, const Epoch& epoch) {
-  sentence.number(epoch.precision == Precision::high ? "%.3f" : "%.1f", epoch.altitude_m);
+  sentence.decimal(epoch.precision == Precision::high ? 3 : 1, epoch.altitude_m);
 }
 
 /// Two decimals; 360.00 becomes 0.00.
 void put_course(Sentence& sentence, double course_deg) {
   const double rounded = std::round(course_deg * 100.0) / 100.0;
-  sentence.number("%.2f", rounded >= 360.0 ? 0.0 : rounded);
+  sentence.decimal(2, rounded >= 360.0 ? 0.0 : rounded);
 }
 
 /// Two decimals, 99.99 at most and when unknown.
 void put_dilution(Sentence& sentence, const std::optional<double>& dilution) {
-  sentence.number("%.2f", std::min(dilution.value_or(99.99), 99.99));
+  sentence.decimal(2, std::min(dilution.value_or(99.99), 99.99));
 }
 
 /// About two significant digits: 148, 12, 1.2, 0.12, 0.012.
 void put_deviation(Sentence& sentence, double value) {
-  sentence.number(value >= 9.95     ? "%.0f"
-                  : value >= 0.995  ? "%.1f"
-                  : value >= 0.0995 ? "%.2f"
-                                    : "%.3f",
-                  value);
+  sentence.decimal(value >= 9.95 ? 0 : value >= 0.995 ? 1 : value >= 0.0995 ? 2 : 3, value);
 }
 
 /// Age and station of corrections; empty without them.
@@ -145,8 +137,8 @@ void put_corrections(Sentence& sentence, const Epoch& epoch) {
     sentence.empty().empty();
     return;
   }
-  epoch.differential_age_s ? sentence.number("%.1f", *epoch.differential_age_s) : sentence.empty();
-  sentence.number("%04d", epoch.station);
+  epoch.differential_age_s ? sentence.decimal(1, *epoch.differential_age_s) : sentence.empty();
+  sentence.number(4, epoch.station);
 }
 
 // Position.
@@ -248,17 +240,19 @@ bool visit_group(const Epoch& epoch, const std::optional<System>& group, Visit&&
   if (!has_identifiers(epoch)) {
     return visit(Set{group, std::nullopt});
   }
-  bool any = false;
-  for (int i = 1; i <= kSignals; ++i) {  // the unknown signal, 0, last
-    const Set set{group, i % kSignals};
-    if (satellites_in(epoch, set) > 0) {
-      any = true;
-      if (visit(set)) {
-        return true;
-      }
+  // Signals that satellites of the group have, a bit each.
+  std::uint32_t present = 0;
+  for (const SatelliteInView& satellite : epoch.satellites) {
+    if (satellite.signal < kSignals && belongs(epoch, satellite, {group, std::nullopt})) {
+      present |= 1U << satellite.signal;
     }
   }
-  return !any && visit(Set{group, 0});
+  for (int i = 1; i <= kSignals; ++i) {  // the unknown signal, 0, last
+    if ((present >> (i % kSignals) & 1U) != 0 && visit(Set{group, i % kSignals})) {
+      return true;
+    }
+  }
+  return present == 0 && visit(Set{group, 0});
 }
 
 template <class Visit>
@@ -279,17 +273,17 @@ std::string_view gsv_talker(const Epoch& epoch, const Set& set) {
 }
 
 void put_number(Sentence& sentence, int number) {
-  number > 0 ? sentence.number("%02d", number) : sentence.empty();
+  number > 0 ? sentence.number(2, number) : sentence.empty();
 }
 
-void put_optional(Sentence& sentence, const char* format, const std::optional<int>& value) {
-  value ? sentence.number(format, *value) : sentence.empty();
+void put_optional(Sentence& sentence, int digits, const std::optional<int>& value) {
+  value ? sentence.number(digits, *value) : sentence.empty();
 }
 
 Sentence gsv_page(const Epoch& epoch, const Set& set, int page) {
   Sentence sentence = begin_sentence(gsv_talker(epoch, set), "GSV");
   const int listed = satellites_in(epoch, set);
-  sentence.number("%d", pages_of(epoch, set)).number("%d", page).number("%02d", listed);
+  sentence.number(1, pages_of(epoch, set)).number(1, page).number(2, listed);
   const int first = (page - 1) * kSatellitesPerPage;
   const int last = std::min(first + kSatellitesPerPage, listed);
   int at = 0;
@@ -299,14 +293,14 @@ Sentence gsv_page(const Epoch& epoch, const Set& set, int page) {
     }
     if (at >= first && at < last) {
       put_number(sentence, satellite.number);
-      put_optional(sentence, "%02d", satellite.elevation_deg);
-      put_optional(sentence, "%03d", satellite.azimuth_deg);
-      put_optional(sentence, "%02d", satellite.cn0_dbhz);
+      put_optional(sentence, 2, satellite.elevation_deg);
+      put_optional(sentence, 3, satellite.azimuth_deg);
+      put_optional(sentence, 2, satellite.cn0_dbhz);
     }
     ++at;
   }
   if (has_identifiers(epoch)) {
-    sentence.number("%X", set.signal.value_or(0));
+    sentence.hexadecimal(set.signal.value_or(0));
   }
   return sentence;
 }
@@ -353,7 +347,7 @@ Sentence write_rmc(const Epoch& epoch) {
   sentence.field(status(epoch));
   put_position(sentence, epoch);
   if (has_fix(epoch)) {
-    sentence.number("%.3f", epoch.ground_speed_mps * kKnotsPerMps);
+    sentence.decimal(3, epoch.ground_speed_mps * kKnotsPerMps);
     put_optional_course(sentence, epoch);
   } else {
     sentence.empty().empty();
@@ -371,8 +365,8 @@ Sentence write_vtg(const Epoch& epoch) {
     const double knots = epoch.ground_speed_mps * kKnotsPerMps;
     put_optional_course(sentence, epoch);
     sentence.field("T").empty().field("M");
-    sentence.number("%.3f", knots).field("N");
-    sentence.number("%.3f", knots * kKilometresPerHourPerKnot).field("K");
+    sentence.decimal(3, knots).field("N");
+    sentence.decimal(3, knots * kKilometresPerHourPerKnot).field("K");
   } else {
     for (int i = 0; i < 8; ++i) {
       sentence.empty();
@@ -386,12 +380,12 @@ Sentence write_gga(const Epoch& epoch) {
   Sentence sentence = begin_sentence(epoch.talker, "GGA");
   put_time(sentence, epoch.time);
   put_position(sentence, epoch);
-  sentence.number("%d", quality(epoch));
-  sentence.number("%02d", std::min(epoch.satellites_used, kMostUsedInGga));
+  sentence.number(1, quality(epoch));
+  sentence.number(2, std::min(epoch.satellites_used, kMostUsedInGga));
   put_dilution(sentence, epoch.horizontal_dilution);
   if (has_fix(epoch)) {
     put_altitude(sentence, epoch);
-    sentence.field("M").number("%.1f", epoch.separation_m).field("M");
+    sentence.field("M").decimal(1, epoch.separation_m).field("M");
   } else {
     sentence.empty().empty().empty().empty();
   }
@@ -414,11 +408,11 @@ Sentence write_gns(const Epoch& epoch) {
     modes[i] = on ? position_mode(epoch, true)[0] : 'N';
   }
   sentence.field({modes.data(), told});
-  sentence.number("%02d", std::min(epoch.satellites_used, kMostUsedInGns));
+  sentence.number(2, std::min(epoch.satellites_used, kMostUsedInGns));
   put_dilution(sentence, epoch.horizontal_dilution);
   if (has_fix(epoch)) {
     put_altitude(sentence, epoch);
-    sentence.number("%.1f", epoch.separation_m);
+    sentence.decimal(1, epoch.separation_m);
   } else {
     sentence.empty().empty();
   }
@@ -440,8 +434,8 @@ Sentence write_zda(const Epoch& epoch) {
   Sentence sentence = begin_sentence(epoch.talker, "ZDA");
   put_time(sentence, epoch.time);
   if (epoch.date) {
-    sentence.number("%02d", epoch.date->day).number("%02d", epoch.date->month);
-    sentence.number("%04d", epoch.date->year);
+    sentence.number(2, epoch.date->day).number(2, epoch.date->month);
+    sentence.number(4, epoch.date->year);
   } else {
     sentence.empty().empty().empty();
   }
@@ -458,7 +452,7 @@ Sentence write_dtm(const Epoch& epoch) {
 
 Sentence write_txt(std::string_view talker, TextKind kind, std::string_view text) {
   Sentence sentence = begin_sentence(talker, "TXT");
-  sentence.field("01").field("01").number("%02d", static_cast<int>(kind)).field(text);
+  sentence.field("01").field("01").number(2, static_cast<int>(kind)).field(text);
   return sentence;
 }
 
@@ -474,13 +468,13 @@ Sentence write_gsa(const Epoch& epoch, int n) {
   Sentence sentence = begin_sentence(epoch.talker, "GSA");
   const auto group = nth_group(epoch, n);
   sentence.field("A");
-  sentence.number("%d", has_fix(epoch) ? epoch.fix_dimensions : 1);
+  sentence.number(1, has_fix(epoch) ? epoch.fix_dimensions : 1);
   put_used(sentence, epoch, group, [&](const auto& s) { put_number(sentence, s.number); });
   put_dilution(sentence, epoch.position_dilution);
   put_dilution(sentence, epoch.horizontal_dilution);
   put_dilution(sentence, epoch.vertical_dilution);
   if (has_identifiers(epoch)) {
-    sentence.number("%X", identifier(epoch, group));
+    sentence.hexadecimal(identifier(epoch, group));
   }
   return sentence;
 }
@@ -495,11 +489,11 @@ Sentence write_grs(const Epoch& epoch, int n) {
   put_time(sentence, epoch.time);
   sentence.field("1");
   put_used(sentence, epoch, group, [&](const auto& s) {
-    s.residual_m ? sentence.number("%.1f", *s.residual_m) : sentence.empty();
+    s.residual_m ? sentence.decimal(1, *s.residual_m) : sentence.empty();
   });
   if (has_identifiers(epoch)) {
-    sentence.number("%X", identifier(epoch, group));
-    sentence.number("%X", static_cast<int>(first_signal(group.value_or(System::gps))));
+    sentence.hexadecimal(identifier(epoch, group));
+    sentence.hexadecimal(static_cast<int>(first_signal(group.value_or(System::gps))));
   }
   return sentence;
 }
@@ -524,7 +518,7 @@ Sentence write_gsv(const Epoch& epoch, int page) {
     found = gsv_page(epoch, set, page);
     return true;
   });
-  return found.value_or(gsv_page(epoch, {}, page));
+  return found ? *found : gsv_page(epoch, {}, page);
 }
 
 Sentence write_gst(const Epoch& epoch) {
@@ -548,8 +542,8 @@ Sentence write_gbs(const Epoch& epoch) {
   Sentence sentence = begin_sentence(epoch.talker, "GBS");
   put_time(sentence, epoch.time);
   if (epoch.errors && has_fix(epoch)) {
-    sentence.number("%.1f", epoch.errors->latitude_m).number("%.1f", epoch.errors->longitude_m);
-    sentence.number("%.1f", epoch.errors->altitude_m);
+    sentence.decimal(1, epoch.errors->latitude_m).decimal(1, epoch.errors->longitude_m);
+    sentence.decimal(1, epoch.errors->altitude_m);
   } else {
     sentence.empty().empty().empty();
   }
@@ -571,19 +565,19 @@ Sentence write_pubx_position(const Epoch& epoch) {
     shown = epoch;
   }
   put_coordinates(sentence, shown);
-  sentence.number("%.3f", shown.altitude_m + shown.separation_m);
+  sentence.decimal(3, shown.altitude_m + shown.separation_m);
   sentence.field(navigation_state(epoch));
   put_deviation(sentence, epoch.horizontal_accuracy_m);
   put_deviation(sentence, epoch.vertical_accuracy_m);
-  sentence.number("%.3f", shown.ground_speed_mps * kKnotsPerMps * kKilometresPerHourPerKnot);
+  sentence.decimal(3, shown.ground_speed_mps * kKnotsPerMps * kKilometresPerHourPerKnot);
   put_course(sentence, shown.course_deg.value_or(0.0));
-  sentence.number("%.3f", shown.down_velocity_mps);
-  fix&& epoch.differential_age_s ? sentence.number("%.1f", *epoch.differential_age_s)
+  sentence.decimal(3, shown.down_velocity_mps);
+  fix&& epoch.differential_age_s ? sentence.decimal(1, *epoch.differential_age_s)
                                  : sentence.empty();
   put_dilution(sentence, epoch.horizontal_dilution);
   put_dilution(sentence, epoch.vertical_dilution);
   put_dilution(sentence, epoch.time_dilution);
-  sentence.number("%d", epoch.satellites_used).field("0").field("0");
+  sentence.number(1, epoch.satellites_used).field("0").field("0");
   return sentence;
 }
 
@@ -592,14 +586,14 @@ Sentence write_pubx_satellites(const Epoch& epoch) {
   sentence.field("03");
   const auto listed = epoch.satellites.first(
       std::min(epoch.satellites.size(), static_cast<std::size_t>(kMostPubxSatellites)));
-  sentence.number("%02d", static_cast<int>(listed.size()));
+  sentence.number(2, static_cast<int>(listed.size()));
   for (const auto& satellite : listed) {
-    sentence.number("%d", satellite.single_number);
+    sentence.number(1, satellite.single_number);
     sentence.field(satellite.used ? "U" : satellite.ephemeris ? "e" : "-");
-    put_optional(sentence, "%03d", satellite.azimuth_deg);
-    put_optional(sentence, "%02d", satellite.elevation_deg);
-    put_optional(sentence, "%02d", satellite.cn0_dbhz);
-    sentence.number("%03d", std::clamp(satellite.locked_s, 0, kLongestLock_s));
+    put_optional(sentence, 3, satellite.azimuth_deg);
+    put_optional(sentence, 2, satellite.elevation_deg);
+    put_optional(sentence, 2, satellite.cn0_dbhz);
+    sentence.number(3, std::clamp(satellite.locked_s, 0, kLongestLock_s));
   }
   return sentence;
 }
@@ -609,16 +603,17 @@ Sentence write_pubx_time(const Epoch& epoch, const PubxTime& time) {
   sentence.field("04");
   put_time(sentence, epoch.time);
   put_date(sentence, epoch.date);
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%lld.%02lld",
-                static_cast<long long>(time.time_of_week_hundredths / 100),
-                static_cast<long long>(time.time_of_week_hundredths % 100));
-  sentence.field(text.data()).number("%d", time.week);
-  std::snprintf(text.data(), text.size(), "%d%s", time.leap_seconds,
-                time.leap_seconds_received ? "" : "D");
-  sentence.field(text.data());
-  sentence.number("%.0f", time.clock_bias_ns).number("%.3f", time.clock_drift_nsps);
-  sentence.number("%02d", time.pulse_granularity_ns);
+  sentence.field(Digits()
+                     .put(1, time.time_of_week_hundredths / 100)
+                     .point()
+                     .put(2, time.time_of_week_hundredths % 100)
+                     .text());
+  sentence.number(1, time.week);
+  Digits leap;
+  leap.put(1, time.leap_seconds);
+  sentence.field(time.leap_seconds_received ? leap.text() : leap.letter('D').text());
+  sentence.decimal(0, time.clock_bias_ns).decimal(3, time.clock_drift_nsps);
+  sentence.number(2, time.pulse_granularity_ns);
   return sentence;
 }
 

@@ -10,6 +10,7 @@
 
 #include "sim/gnss/broadcast_orbits.h"
 #include "sim/gnss/ephemeris.h"
+#include "sim/gnss/error_field.h"
 #include "sim/gnss/nominal_slots.h"
 
 namespace rigwire::sim {
@@ -276,6 +277,30 @@ class FileConstellation final : public Constellation {
 };
 
 }  // namespace
+
+void Constellation::states(std::span<const std::size_t> indices, const GpsTime& time,
+                           std::span<SatelliteState> results) const {
+  const std::scoped_lock lock(mutex_);
+  kept_.resize(satellites().size());
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    Kept& kept = kept_[indices[i]];
+    if (kept.time != time) {
+      kept = {time, state(indices[i], time, 0.0)};
+    }
+    results[i] = kept.state;
+  }
+}
+
+std::shared_ptr<const ErrorField> Constellation::errors(std::uint64_t seed) const {
+  const std::scoped_lock lock(mutex_);
+  std::weak_ptr<const ErrorField>& known = errors_[seed];
+  std::shared_ptr<const ErrorField> field = known.lock();
+  if (field == nullptr) {
+    field = std::make_shared<const ErrorField>(satellites(), seed);
+    known = field;
+  }
+  return field;
+}
 
 std::shared_ptr<const Constellation> make_nominal_constellation(
     std::span<const GnssSystem> systems) {

@@ -7,7 +7,9 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -44,6 +46,8 @@ struct SatelliteState {
   bool healthy = true;
 };
 
+class ErrorField;
+
 class Constellation {
  public:
   virtual ~Constellation() = default;
@@ -52,11 +56,28 @@ class Constellation {
   /// State of satellite `index` at `time` plus `offset_s` (|offset_s| <= 1 s, for times of flight).
   [[nodiscard]] virtual SatelliteState state(std::size_t index, const GpsTime& time,
                                              double offset_s) const = 0;
+  /// state() of those satellites at `time`, in their order. The last one of each is kept: receivers
+  /// that measure at the same instants share it. Precondition: as many results as indices.
+  void states(std::span<const std::size_t> indices, const GpsTime& time,
+              std::span<SatelliteState> results) const;
   /// What the satellites broadcast at `time`. The same object as long as nothing changes. The
   /// satellites of state() move exactly as a receiver finds them from it (broadcast_orbits.h says
   /// how exactly). Null with SBAS and QZSS alone.
   [[nodiscard]] virtual std::shared_ptr<const GpsNavigation> navigation(
       const GpsTime& time) const = 0;
+
+  /// The errors of these satellites and of the air in runs of that seed: one object as long as
+  /// somebody has it.
+  [[nodiscard]] std::shared_ptr<const ErrorField> errors(std::uint64_t seed) const;
+
+ private:
+  struct Kept {
+    GpsTime time{-1, 0};
+    SatelliteState state;
+  };
+  mutable std::mutex mutex_;
+  mutable std::vector<Kept> kept_;  ///< By index.
+  mutable std::map<std::uint64_t, std::weak_ptr<const ErrorField>> errors_;
 };
 
 /// The published nominal slots of each system: GPS 24, GLONASS 24/3/1, Galileo 24/3/1, BeiDou

@@ -39,6 +39,15 @@ Eigen::Vector3d cauchy3(RandomStream& random) {
 }
 
 template <class Waves>
+double sum(const Waves& waves, double time) {
+  double value = 0.0;
+  for (const auto& wave : waves) {
+    value += std::cos(wave.frequency * time + wave.phase);
+  }
+  return value * std::sqrt(2.0 / static_cast<double>(waves.size()));
+}
+
+template <class Waves>
 double sum(const Waves& waves, double time, const Eigen::Vector3d& place) {
   double value = 0.0;
   for (const auto& wave : waves) {
@@ -63,14 +72,15 @@ Eigen::Vector3d pierce_point(const Eigen::Vector3d& p_E_m, const Eigen::Vector3d
 
 }  // namespace
 
-ErrorField::ErrorField(std::span<const Satellite> satellites, std::uint64_t seed) {
+ErrorField::ErrorField(std::span<const Satellite> satellites, std::uint64_t seed)
+    : values_(satellites.size()) {
   satellites_.reserve(satellites.size());
   for (const Satellite& satellite : satellites) {
     RandomStream random(seed, "gnss field/" + std::to_string(static_cast<int>(satellite.system)) +
                                   "/" + std::to_string(satellite.number));
     SatelliteWaves& waves = satellites_.emplace_back();
     const auto draw = [&](auto& part) {
-      for (Wave& wave : part) {
+      for (TimeWave& wave : part) {
         wave.frequency = frequency(random);
         wave.phase = phase(random);
       }
@@ -94,13 +104,20 @@ ErrorField::ErrorField(std::span<const Satellite> satellites, std::uint64_t seed
 
 double ErrorField::satellite(std::size_t index, double time_s, double correlation_s,
                              const Eigen::Vector3d& direction_E) const {
-  const SatelliteWaves& waves = satellites_[index];
   const double time = scaled(time_s, correlation_s);
-  const Eigen::Vector3d nowhere = Eigen::Vector3d::Zero();
-  const Eigen::Vector3d orbit(sum(waves.orbit[0], time, nowhere),
-                              sum(waves.orbit[1], time, nowhere),
-                              sum(waves.orbit[2], time, nowhere));
-  return std::numbers::sqrt2 / 2.0 * (sum(waves.clock, time, nowhere) + orbit.dot(direction_E));
+  SatelliteValue value;
+  {
+    const std::scoped_lock lock(mutex_);
+    SatelliteValue& kept = values_[index];
+    if (kept.time != time) {
+      const SatelliteWaves& waves = satellites_[index];
+      kept = {time,
+              sum(waves.clock, time),
+              {sum(waves.orbit[0], time), sum(waves.orbit[1], time), sum(waves.orbit[2], time)}};
+    }
+    value = kept;
+  }
+  return std::numbers::sqrt2 / 2.0 * (value.clock + value.orbit.dot(direction_E));
 }
 
 double ErrorField::ionosphere(double time_s, double correlation_s, double length_m,

@@ -16,6 +16,8 @@
 //                     components projected on the line of sight, so that receivers d apart differ
 //                     by the orbit's error times d / 20 000 km
 //
+// One field serves all receivers of a rig, from any thread (Constellation::errors()).
+//
 // With N waves the distribution is not quite normal: the fourth moment is 3 - 1.5 / N.
 #pragma once
 
@@ -23,6 +25,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -56,12 +60,25 @@ class ErrorField {
     Eigen::Vector3d number = Eigen::Vector3d::Zero();
     double phase = 0.0;
   };
+  /// Of a satellite nothing depends on the place of the antenna.
+  struct TimeWave {
+    double frequency = 0.0;
+    double phase = 0.0;
+  };
   struct SatelliteWaves {
-    std::array<Wave, kSatelliteWaves> clock;
-    std::array<std::array<Wave, kSatelliteWaves>, 3> orbit;
+    std::array<TimeWave, kSatelliteWaves> clock;
+    std::array<std::array<TimeWave, kSatelliteWaves>, 3> orbit;
+  };
+  /// What a satellite's waves come to at a time, the last that was asked for.
+  struct SatelliteValue {
+    double time = std::numeric_limits<double>::quiet_NaN();
+    double clock = 0.0;
+    Eigen::Vector3d orbit = Eigen::Vector3d::Zero();
   };
 
   std::vector<SatelliteWaves> satellites_;
+  mutable std::mutex mutex_;  ///< Of:
+  mutable std::vector<SatelliteValue> values_;
   std::array<Wave, kFieldWaves> ionosphere_;
   std::array<Wave, kFieldWaves> troposphere_;
 };

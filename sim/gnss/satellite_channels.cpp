@@ -38,7 +38,7 @@ SatelliteChannels::SatelliteChannels(const GnssParameters& parameters,
                                      std::uint64_t seed, std::string_view name)
     : parameters_(parameters),
       constellation_(std::move(constellation)),
-      field_(constellation_->satellites(), seed),
+      field_(constellation_->errors(seed)),
       reflections_(parameters.multipath) {
   const auto satellites = constellation_->satellites();
   for (std::size_t i = 0; i < satellites.size(); ++i) {
@@ -48,8 +48,10 @@ SatelliteChannels::SatelliteChannels(const GnssParameters& parameters,
                            .errors = SatelliteErrors(seed, stream_name(name, satellites[i])),
                            .tracker = {},
                            .arrival = {}});
+      indices_.push_back(i);
     }
   }
+  states_.resize(channels_.size());
   received_.reserve(channels_.size());
   channel_of_.reserve(channels_.size());
   searched_.reserve(channels_.size());
@@ -70,9 +72,10 @@ void SatelliteChannels::find_above_horizon(const Reception& reception, const Loc
   p_E_m_ = p_E;
   ecef_from_world_ = frame.world_from_ecef().transpose();
   const Eigen::Matrix3d ned_from_world = frame.ned_from_world(reception.ranges_p_W);
+  constellation_->states(indices_, reception.gps, states_);
   for (std::uint32_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = channels_[i];
-    const SatelliteState state = constellation_->state(channel.index, reception.gps, 0.0);
+    const SatelliteState& state = states_[i];
     ReceivedSatellite received;
     // Line of sight to the satellite, turned from earth-fixed into world axes.
     received.direction_W = (frame.world_from_ecef() * (state.position_E_m - p_E)).normalized();
@@ -245,12 +248,12 @@ RangeError SatelliteChannels::shared_error(std::size_t index, SimTime time,
   const RangeErrorParameters& p = parameters_.ranges;
   const double time_s = to_seconds(time);
   error.orbit_clock_m = p.orbit_clock_sigma_m *
-                        field_.satellite(index, time_s, p.orbit_clock_correlation_s, direction_E);
+                        field_->satellite(index, time_s, p.orbit_clock_correlation_s, direction_E);
   error.ionosphere_m = ionosphere_mapping(elevation_rad) * p.ionosphere_sigma_m *
-                       field_.ionosphere(time_s, p.ionosphere_correlation_s, ionosphere_length_m(),
-                                         p_E_m, direction_E);
+                       field_->ionosphere(time_s, p.ionosphere_correlation_s, ionosphere_length_m(),
+                                          p_E_m, direction_E);
   error.troposphere_m = troposphere_mapping(elevation_rad) * p.troposphere_sigma_m *
-                        field_.troposphere(time_s, p.troposphere_correlation_s, p_E_m);
+                        field_->troposphere(time_s, p.troposphere_correlation_s, p_E_m);
   return error;
 }
 
@@ -259,7 +262,7 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
     return;
   }
   const RangeErrorParameters& p = parameters_.ranges;
-  const double troposphere = field_.troposphere(time_s_, p.troposphere_correlation_s, p_E_m_);
+  const double troposphere = field_->troposphere(time_s_, p.troposphere_correlation_s, p_E_m_);
   const double length_m = ionosphere_length_m();
   for (std::size_t k = 0; k < received_.size(); ++k) {
     ReceivedSatellite& received = received_[k];
@@ -280,10 +283,10 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
       arrival.extra_path_m = channel.extra_path_m;
     }
     const Eigen::Vector3d direction_E = ecef_from_world_ * received.direction_W;
-    arrival.shared = {.orbit_clock = field_.satellite(received.index, time_s_,
-                                                      p.orbit_clock_correlation_s, direction_E),
-                      .ionosphere = field_.ionosphere(time_s_, p.ionosphere_correlation_s, length_m,
-                                                      p_E_m_, direction_E),
+    arrival.shared = {.orbit_clock = field_->satellite(received.index, time_s_,
+                                                       p.orbit_clock_correlation_s, direction_E),
+                      .ionosphere = field_->ionosphere(time_s_, p.ionosphere_correlation_s,
+                                                       length_m, p_E_m_, direction_E),
                       .troposphere = troposphere};
     received.error = channel.errors.error(p, arrival, share);
     if (spoofed) {  // the transmitter makes ranges that agree with each other

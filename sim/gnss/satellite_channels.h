@@ -102,7 +102,9 @@ class SatelliteChannels {
   GnssParameters parameters_;
   std::shared_ptr<const Constellation> constellation_;
   std::vector<Channel> channels_;
-  ErrorField field_;
+  std::vector<std::size_t> indices_;         ///< Of channels_, in the constellation ...
+  std::vector<SatelliteState> states_;       ///< ... and where they are.
+  std::shared_ptr<const ErrorField> field_;  ///< Of all receivers.
   /// Where and when the ranges are received.
   double time_s_ = 0.0;
   Eigen::Vector3d p_E_m_ = Eigen::Vector3d::UnitX();

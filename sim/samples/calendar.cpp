@@ -13,7 +13,7 @@ constexpr std::int64_t kDay = 86'400 * kSecond;
 constexpr std::int64_t kWeek = 7 * kDay;
 
 /// Days since 1970-01-01 of a proleptic Gregorian date.
-std::int64_t days_from_civil(int year, int month, int day) {
+constexpr std::int64_t days_from_civil(int year, int month, int day) {
   return std::chrono::sys_days{std::chrono::year{year} / std::chrono::month{unsigned(month)} /
                                std::chrono::day{unsigned(day)}}
       .time_since_epoch()
@@ -38,9 +38,18 @@ constexpr std::array kLeapSteps{
 };
 
 /// UTC midnight of the step's date, in UTC seconds counted as if every day had 86400 of them.
-std::int64_t step_utc_ns(const LeapStep& step) {
+constexpr std::int64_t step_utc_ns(const LeapStep& step) {
   return (days_from_civil(step.year, step.month, 1) - kGpsEpochDays) * kDay;
 }
+
+/// GPS time of the inserted second, the one before each step takes effect.
+constexpr auto kInsertedSeconds = [] {
+  std::array<std::int64_t, kLeapSteps.size()> begins{};
+  for (std::size_t i = 0; i < begins.size(); ++i) {
+    begins[i] = step_utc_ns(kLeapSteps[i]) + (kLeapSteps[i].gps_minus_utc - 1) * kSecond;
+  }
+  return begins;
+}();
 
 struct LeapState {
   std::int32_t gps_minus_utc = 0;
@@ -48,16 +57,17 @@ struct LeapState {
 };
 
 LeapState leap_state(std::int64_t gps_ns) {
-  LeapState state;
-  for (const auto& step : kLeapSteps) {
-    // The inserted second is the one before the step takes effect.
-    const std::int64_t begin = step_utc_ns(step) + (step.gps_minus_utc - 1) * kSecond;
-    if (gps_ns < begin) {
-      break;
-    }
-    state.inserted_second = gps_ns < begin + kSecond;
-    state.gps_minus_utc = state.inserted_second ? step.gps_minus_utc - 1 : step.gps_minus_utc;
+  // The last of them that has begun; most instants are after all of them.
+  std::size_t begun = kInsertedSeconds.size();
+  while (begun > 0 && gps_ns < kInsertedSeconds[begun - 1]) {
+    --begun;
   }
+  if (begun == 0) {
+    return {};
+  }
+  LeapState state;
+  state.inserted_second = gps_ns < kInsertedSeconds[begun - 1] + kSecond;
+  state.gps_minus_utc = kLeapSteps[begun - 1].gps_minus_utc - (state.inserted_second ? 1 : 0);
   return state;
 }
 

@@ -285,5 +285,42 @@ TEST_F(FileConstellationTest, RefusesNothingAndStrangeSatellites) {
   EXPECT_THROW(static_cast<void>(make_gps_constellation(strange, {}, {})), std::invalid_argument);
 }
 
+// Receivers share the last state of each satellite: of another instant, of other satellites, from
+// another thread it must be that which is asked for.
+TEST(Constellation, SharedStatesAreThoseOfTheInstantThatIsAskedFor) {
+  const auto constellation = make_nominal_constellation(
+      std::array{GnssSystem::gps, GnssSystem::galileo, GnssSystem::glonass, GnssSystem::sbas});
+  const std::size_t count = constellation->satellites().size();
+  const auto ask = [&](std::size_t first, std::int64_t step_ms) {
+    std::vector<std::size_t> indices;
+    for (std::size_t i = first; i < count; i += 3) {
+      indices.push_back(i);
+    }
+    std::vector<SatelliteState> states(indices.size());
+    for (std::int64_t epoch = 0; epoch < 40; ++epoch) {
+      const GpsTime time{2421, 100'000 * kSecond_ns + epoch / 2 * step_ms * 1'000'000};
+      constellation->states(indices, time, states);
+      for (std::size_t i = 0; i < indices.size(); ++i) {
+        const SatelliteState alone = constellation->state(indices[i], time, 0.0);
+        ASSERT_EQ(states[i].position_E_m, alone.position_E_m);
+        ASSERT_EQ(states[i].velocity_E_mps, alone.velocity_E_mps);
+        ASSERT_EQ(states[i].clock_s, alone.clock_s);
+      }
+    }
+  };
+  std::thread other([&] { ask(0, 100); });
+  ask(0, 250);
+  ask(1, 100);
+  other.join();
+}
+
+// One field of errors for all receivers of a rig, another one for another seed.
+TEST(Constellation, ErrorsOfASeedAreOneObject) {
+  const auto constellation = make_nominal_constellation(kGps);
+  const auto first = constellation->errors(1);
+  EXPECT_EQ(constellation->errors(1), first);
+  EXPECT_NE(constellation->errors(2), first);
+}
+
 }  // namespace
 }  // namespace rigwire::sim

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -159,6 +160,64 @@ TEST_F(NtripClients, SlowRequestEndsAndHoldsNobodyUp) {
   ASSERT_TRUE(serve_until([&] { return caster_.counters().timed_out == 1; }, 20s));
   EXPECT_EQ(caster_.streaming(), 1U);
   EXPECT_TRUE(serve_until([&] { return server_.clients() == 1; }, 5s));
+}
+
+// Clients that trickle their requests and clients that send garbage take every place but one: the
+// one that is served gets each frame, whole and once, from the first of them to the last.
+TEST_F(NtripClients, ADozenSlowAndADozenSenselessClientsTakeNothingFromOne) {
+  using boost::asio::ip::tcp;
+  constexpr std::size_t kOfEach = 12;
+  const fs::path out = directory_ / "base.rtcm3";
+  test::ChildProcess str2str({"str2str", "-in", url() + "#rtcm3", "-out", "file://" + out.string()},
+                             directory_ / "str2str.log");
+  ASSERT_TRUE(serve_until([&] { return caster_.streaming() == 1; })) << str2str.output();
+  const std::uint64_t sent_before = caster_.frames_sent();
+  boost::asio::io_context io;
+  std::vector<tcp::socket> slow;
+  std::vector<tcp::socket> senseless;
+  std::mt19937 random(11);
+  for (std::size_t i = 0; i < kOfEach; ++i) {
+    for (auto* kind : {&slow, &senseless}) {
+      kind->emplace_back(io);
+      kind->back().connect({boost::asio::ip::address_v4::loopback(), server_.port()});
+    }
+    // More than a head may have, half of it without a line's end.
+    std::string garbage(8'192, '\0');
+    for (char& byte : garbage) {
+      byte = static_cast<char>(random());
+    }
+    boost::asio::write(senseless.back(), boost::asio::buffer(garbage));
+  }
+  const std::string request =
+      "GET /BASE HTTP/1.0\r\nUser-Agent: NTRIP slow\r\nX: " + std::string(200, 'y') + "\r\n\r\n";
+  std::size_t said = 0;
+  const auto trickle = [&] {
+    // A byte of each in every tenth of a second: the head would take 25 s.
+    const auto wanted = static_cast<std::size_t>(to_seconds(now() - kStart) * 10.0);
+    for (; said < std::min(wanted, request.size()); ++said) {
+      for (tcp::socket& socket : slow) {
+        boost::system::error_code closed;
+        boost::asio::write(socket, boost::asio::buffer(&request[said], 1), closed);
+      }
+    }
+    return caster_.counters().timed_out == kOfEach;
+  };
+  ASSERT_TRUE(serve_until(trickle)) << caster_.counters().timed_out;
+  EXPECT_GE(caster_.counters().refused, kOfEach);
+  EXPECT_EQ(caster_.streaming(), 1U);
+  ASSERT_TRUE(serve_until([&] { return server_.clients() == 1; }, 5s));
+  EXPECT_GE(caster_.frames_sent() - sent_before, 100U);
+  str2str.signal(SIGINT);
+  serve_until([&] { return str2str.wait(0s).has_value(); }, 20s);
+  std::ifstream file(out, std::ios::binary);
+  const std::vector<std::uint8_t> all{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_GE(all.size() / frame_.size(), 100U);
+  EXPECT_EQ(all.size() % frame_.size(), 0U);
+  for (std::size_t i = 0; i < all.size() / frame_.size(); ++i) {
+    ASSERT_TRUE(
+        std::ranges::equal(std::span(all).subspan(i * frame_.size(), frame_.size()), frame_))
+        << "frame " << i;
+  }
 }
 
 }  // namespace

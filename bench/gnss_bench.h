@@ -55,9 +55,9 @@ struct SkySampling {
 /// One model of a receiver beside the others, at a place.
 struct ModelError {
   std::string place{};            ///< "open", "street", "wood": at rest; "campus": a lap at 2 m/s.
-  std::string model{};            ///< "paper", "coloured", "engine".
+  std::string model{};            ///< "paper", "coloured", "engine", "RTK float", "RTK fixed".
   double epoch_us = 0.0;          ///< CPU time of one navigation epoch of the sensor, mean.
-  double fixes = 0.0;             ///< Share of the epochs.
+  double fixes = 0.0;             ///< Share of the epochs; of RTK, those of that solution.
   double error_median_m = 0.0;    ///< Horizontal ...
   double error_95_m = 0.0;        ///< ... and of 95 %.
   double step_median_m = 0.0;     ///< Horizontal, of the error, from second to second.

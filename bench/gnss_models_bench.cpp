@@ -52,13 +52,16 @@ double quantile(std::vector<double> values, double share) {
 /// What one receiver after the other adds to a row.
 class Measured {
  public:
-  Measured(ModelError& row, const sim::LocalFrame& frame) : row_(row), frame_(frame) {}
+  /// `only`: epochs of another carrier solution count as without a fix.
+  Measured(ModelError& row, const sim::LocalFrame& frame, std::optional<CarrierSolution> only)
+      : row_(row), frame_(frame), only_(only) {}
 
   void begin() { before_.reset(); }
   void add(const GnssSample& sample, double cpu_s, const Vector3d& truth_W) {
     ++epochs_;
     cpu_s_ += cpu_s;
-    if (sample.fix != GnssFix::two_d && sample.fix != GnssFix::three_d) {
+    if ((sample.fix != GnssFix::two_d && sample.fix != GnssFix::three_d) ||
+        (only_ && sample.carrier != *only_)) {
       before_.reset();
       step_.reset();
       return;
@@ -103,6 +106,7 @@ class Measured {
  private:
   ModelError& row_;
   const sim::LocalFrame& frame_;
+  std::optional<CarrierSolution> only_;
   std::unique_ptr<sim::DilutionModel> geometry_ = sim::make_geometric_dilution();
   std::size_t epochs_ = 0;
   double cpu_s_ = 0.0;
@@ -142,20 +146,36 @@ std::vector<ModelError> measure_models(const hil::RigConfiguration& rig, int rec
        {"wood", SameSky([](const Vector3d& d) {
           return sim::SkyPath{d.z() < 0.26, 6.0};
         })}}};
-  constexpr std::array<std::pair<const char*, sim::ErrorModel>, 3> kModels{
-      {{"paper", sim::ErrorModel::paper},
-       {"coloured", sim::ErrorModel::coloured},
-       {"engine", sim::ErrorModel::engine}}};
+  struct Model {
+    const char* name;
+    sim::ErrorModel errors;
+    std::optional<CarrierSolution> carrier;  // with corrections of a base 500 m away
+  };
+  constexpr std::array<Model, 5> kModels{
+      {{"paper", sim::ErrorModel::paper, {}},
+       {"coloured", sim::ErrorModel::coloured, {}},
+       {"engine", sim::ErrorModel::engine, {}},
+       {"RTK float", sim::ErrorModel::engine, CarrierSolution::floating},
+       {"RTK fixed", sim::ErrorModel::engine, CarrierSolution::fixed}}};
 
   std::vector<ModelError> rows;
   const auto measure = [&](const char* place, const auto& drive) {
-    for (const auto& [model, choice] : kModels) {
-      ModelError row{.place = place, .model = model};
-      Measured measured(row, frame);
+    for (const Model& model : kModels) {
+      ModelError row{.place = place, .model = model.name};
+      Measured measured(row, frame, model.carrier);
       for (int i = 0; i < receivers; ++i) {
         sim::GnssParameters parameters = ublox->sensor;
-        parameters.error_model = choice;
+        parameters.error_model = model.errors;
         parameters.raw_measurements = false;
+        if (model.carrier) {
+          // As a receiver of all systems has them, its cable never pulled.
+          parameters.corrections.kind = sim::CorrectionKind::assumed_rtk;
+          parameters.systems = {.gps = true, .glonass = true, .galileo = true, .beidou = true};
+          parameters.sky.maximum_channels = 60;
+          if (*model.carrier == CarrierSolution::floating) {
+            parameters.corrections.first_fix_s = seconds;
+          }
+        }
         // A field of errors of its own for each, so that they are as good as so many days.
         sim::GnssSensor sensor(parameters, satellites, calendar, frame,
                                rig.seed + static_cast<std::uint64_t>(i), "bench");
@@ -177,8 +197,8 @@ std::vector<ModelError> measure_models(const hil::RigConfiguration& rig, int rec
       }
     });
   }
+  CarriedMachine machine(rig, kSpeed_mps);
   measure("campus", [&](const auto& epoch) {
-    CarriedMachine machine(rig, kSpeed_mps);
     SimTime time = kStart;
     for (double along_m = 0.0; along_m < machine.length_m(); along_m += kSpeed_mps) {
       machine.place(time, along_m);

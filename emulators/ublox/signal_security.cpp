@@ -75,7 +75,8 @@ void UbloxSignalSecurity::look(SimTime now, const std::vector<SatelliteView>& sa
     if (view.tracked && same != before_.end()) {
       strengths_.push_back(view.cn0_dbhz);
       strengths_before_.push_back(same->cn0_dbhz);
-      systems |= 1U << static_cast<unsigned>(view.system);
+      // Augmentation sends as GPS does.
+      systems |= view.system == GnssSystem::sbas ? 0U : 1U << static_cast<unsigned>(view.system);
     }
   }
   before_.clear();

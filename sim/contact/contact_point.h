@@ -199,6 +199,10 @@ struct ContactPoint {
     const double overlap = std::min(std::max(0.0, depth_m), law.greatest_n / law.stiffness_npm);
     return 0.5 * law.stiffness_npm * overlap * overlap;
   }
+  /// On the machine, as found.
+  [[nodiscard]] Eigen::Vector3d sum_W() const {
+    return force_n[0] * direction_W[0] + force_n[1] * direction_W[1] + force_n[2] * direction_W[2];
+  }
   /// In the bristles.
   [[nodiscard]] double bent_j() const {
     double sum = 0.0;

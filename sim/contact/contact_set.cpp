@@ -60,7 +60,7 @@ ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const
   for (const std::vector<Vector>& surface : surface_m_) {
     most = std::max(most, surface.size());
   }
-  touches_.reserve(most + 1);
+  touches_.reserve(most + 1 + kMostFeaturePoints);
   for (const SoilParameters& soil : ground.soils()) {
     bearing_.emplace_back(soil);
   }
@@ -202,7 +202,7 @@ void ContactSet::look(std::span<const ContactLink> links) {
         pair_up(i, fixed + j);
       }
     }
-    if (body.meets_terrain && !links[body.link].rests) {
+    if (body.meets_terrain && !links[body.link].rests && carried_ != Carried::by_model) {
       const double above = above_terrain_m(body, i, X_WS);
       if (above < kLow_m) {
         pair_up(i, kTerrain);
@@ -286,7 +286,8 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     met.friction = obstacle.friction;
     met.strength_nm = strength_of(pair.obstacle);
     met.foot_W = obstacle.foot_W();
-    meets = met.strength_nm > 0.0 && !(body.rolls && !ground_->too_high(pair.obstacle, middle));
+    meets = met.strength_nm > 0.0 && !(body.rolls && carried_ != Carried::by_contact &&
+                                       !ground_->too_high(pair.obstacle, middle));
   }
   std::optional<Separation> found;
   if (meets) {
@@ -344,7 +345,14 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
     look_at(X_WS * p_S);
   }
   const GroundPoint under = ground_->terrain_at(X_WS.translation().x(), X_WS.translation().y());
-  look_at(X_WS * body.shape.support(X_WS.linear().transpose() * Vector(-under.normal_W)));
+  const Vector down = X_WS.linear().transpose() * Vector(-under.normal_W);
+  look_at(X_WS * body.shape.support(down));
+  if (body.rolls) {  // The lowest of both rims: its outline has points between.
+    const Feature side = body.shape.feature(down);
+    for (std::size_t i = 0; i < side.count; ++i) {
+      look_at(X_WS * side.points[i]);
+    }
+  }
   if (touches_.empty()) {
     return pair.memory.part();
   }
@@ -372,7 +380,10 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
       break;
     }
   }
-  met.soil = &bearing_[touches[0].soil];
+  // A drum or wheel that rolls on hard ground would plough it: there it is the spring's alone.
+  if (!body.rolls || ground_->soil(touches[0].soil).soft) {
+    met.soil = &bearing_[touches[0].soil];
+  }
   const auto pressing =
       std::count_if(touches.begin(), touches.begin() + static_cast<std::ptrdiff_t>(count),
                     [](const Touch& touch) { return touch.gap_m <= 0.0; });
@@ -514,9 +525,7 @@ void ContactSet::finish(double h, double work_j) {
     Dent dent;
     for (; seen < points_.size() && &pairs_[pair_of_[seen]] == &pair; ++seen, ++i) {
       ContactPoint& point = points_[seen];
-      const Vector force = point.force_n[0] * point.direction_W[0] +
-                           point.force_n[1] * point.direction_W[1] +
-                           point.force_n[2] * point.direction_W[2];
+      const Vector force = point.sum_W();
       // The overlap that the step has ended with.
       const double depth = point.bend(-point.gap_m - h * point.end_mps[0]);
       if (point.dent_m > pair.memory.place(i).dent_m) {
@@ -661,6 +670,11 @@ void ContactSet::moved(std::size_t obstacle) {
       pair.apart_m = -1e300;
     }
   }
+}
+
+void ContactSet::carry(Carried by) {
+  carried_ = by;
+  look_anew();
 }
 
 void ContactSet::forget() {

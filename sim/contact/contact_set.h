@@ -94,6 +94,13 @@ struct ContactLink {
   }
 };
 
+/// Who holds a machine up.
+enum class Carried : std::uint8_t {
+  by_wheels,  ///< What rolls is its own model's; the bodies that may meet the terrain.
+  by_model,   ///< So is what it stands on: no body meets the terrain.
+  by_contact  ///< Nobody else: what rolls meets what it could roll over, too, and the terrain.
+};
+
 class ContactSet {
  public:
   /// `links`: how many the bodies' indices may name. `ground` must outlive the set. `siblings`: the
@@ -134,6 +141,8 @@ class ContactSet {
     }
     finish(h, work);
   }
+  /// From the next step on; at first by_wheels.
+  void carry(Carried by);
   /// No point pushes any more: the machine was put elsewhere.
   void forget();
   /// Of a step in which nothing was near.
@@ -221,6 +230,7 @@ class ContactSet {
 
   const Ground* ground_;
   const Movers* siblings_;
+  Carried carried_ = Carried::by_wheels;
   std::vector<ContactBody> bodies_;
   std::size_t links_;
   std::vector<Pair> pairs_;

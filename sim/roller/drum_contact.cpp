@@ -178,15 +178,26 @@ void DrumContact::settle(const Eigen::Vector4d& velocity) {
   generalised_[2] += pivot_moment_nm_;
 }
 
-void DrumContact::preload(double along_n, double across_n) {
-  const double share = 1.0 / static_cast<double>(count_);
+void DrumContact::preload(double along_n, double across_n,
+                          const std::array<double, kDrumStripsMax>& limit_n) {
+  double sum = 0.0;
   for (std::size_t i = 0; i < count_; ++i) {
+    sum += limit_n[i];
+  }
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double share = sum > 0.0 ? limit_n[i] / sum : 1.0 / static_cast<double>(count_);
     strips_[i].along.yield(along_parameters_, along_n * share);
     strips_[i].across.yield(across_parameters_, across_n * share);
   }
   along_n_ = along_n;
   across_n_ = across_n;
   generalised_ << along_n, across_n, 0.0, -parameters_.radius_m * along_n;
+}
+
+void DrumContact::leave_ground() {
+  strips_ = {};
+  along_n_ = across_n_ = pivot_moment_nm_ = loss_w_ = 0.0;
+  generalised_.setZero();
 }
 
 int DrumContact::sliding_strips() const {

@@ -57,8 +57,10 @@ class DrumContact {
   [[nodiscard]] bool test(const Eigen::Vector4d& velocity);
   /// Ends the step.
   void settle(const Eigen::Vector4d& velocity);
-  /// Bristles that carry these forces at rest, spread evenly over the strips.
-  void preload(double along_n, double across_n);
+  /// Bristles that carry these forces at rest, spread over the strips as what each bears.
+  void preload(double along_n, double across_n, const std::array<double, kDrumStripsMax>& limit_n);
+  /// In the air: no bristle is bent, nothing acts.
+  void leave_ground();
 
   /// Of the last step; on the drum, along and across its own direction.
   [[nodiscard]] double along_n() const { return along_n_; }

@@ -10,6 +10,30 @@
 
 namespace rigwire::sim {
 
+namespace {
+
+// A rigid body about an edge at `arm_m`, from level: m g a / (I + m (a^2 + h^2)).
+double falling_radps2(const RollerParameters& p, double arm_m, double inertia_kgm2) {
+  const double height = p.center_of_mass_height_m;
+  return p.mass_kg * p.gravity_mps2 * arm_m /
+         (inertia_kgm2 + p.mass_kg * (arm_m * arm_m + height * height));
+}
+
+RestMotion falling(const RollerParameters& p) {
+  return {p.gravity_mps2, falling_radps2(p, 0.5 * p.drum.width_m, p.roll_inertia_kgm2),
+          falling_radps2(p, p.pivot_x_m, p.pitch_inertia_kgm2)};
+}
+
+// A rate that speeds up towards `way` by no more than `most`; none that slows down.
+double held(double rate, double before, double most, double way) {
+  if (way > 0.0) {
+    return std::min(rate, std::max(before, 0.0) + most);
+  }
+  return way < 0.0 ? std::max(rate, std::min(before, 0.0) - most) : rate;
+}
+
+}  // namespace
+
 GroundRest::GroundRest(const RollerParameters& parameters, const Ground& ground)
     : ground_(&ground),
       radius_m_(parameters.drum.radius_m),
@@ -17,6 +41,7 @@ GroundRest::GroundRest(const RollerParameters& parameters, const Ground& ground)
       width_m_(parameters.drum.width_m),
       frequency_radps_(2.0 * std::numbers::pi * parameters.rest_frequency_hz),
       damping_ratio_(parameters.rest_damping_ratio),
+      fall_(falling(parameters)),
       drum_strips_(static_cast<std::size_t>(parameters.drum.strips)),
       count_(2 * drum_strips_) {
   near_.reserve(1024);
@@ -63,11 +88,11 @@ void GroundRest::climb(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB, 
   }
 }
 
-// Places of the strips and the inverse of the normal equations: only the steering changes them.
+// Only the steering changes the places of the strips.
 void GroundRest::place_strips(const std::array<double, 2>& steer_rad) {
   steer_rad_ = steer_rad;
+  even_ = false;
   const double share = 1.0 / static_cast<double>(drum_strips_);
-  Eigen::Matrix3d sums = Eigen::Matrix3d::Zero();
   for (std::size_t drum = 0; drum < 2; ++drum) {
     const double x = drum == 0 ? pivot_x_m_ : -pivot_x_m_;
     const double c = std::cos(steer_rad[drum]);
@@ -76,18 +101,65 @@ void GroundRest::place_strips(const std::array<double, 2>& steer_rad) {
       const double y = ((static_cast<double>(i) + 0.5) * share - 0.5) * width_m_;
       StripGround& strip = strips_[drum * drum_strips_ + i];
       strip.p_B_m = {x - y * s, y * c};
-      // Normal equations of gap = heave + y roll - x pitch over all strips.
-      const Eigen::Vector3d row(1.0, strip.p_B_m.y(), -strip.p_B_m.x());
-      sums += row * row.transpose();
     }
+  }
+}
+
+void GroundRest::find_bearing(bool put_down) {
+  constexpr double kAir_m = 0.15;
+  constexpr double kTouch_m = 0.05;
+  constexpr double kFace = 2.0;  // Slope of a bank's face, that falls away and carries nothing.
+  stands_ = true;
+  bool even = true;
+  for (std::size_t drum = 0; drum < 2; ++drum) {
+    bool any = false;
+    for (std::size_t i = drum * drum_strips_; i < (drum + 1) * drum_strips_; ++i) {
+      StripGround& strip = strips_[i];
+      const bool face = !strip.point.obstacle && strip.slope.norm() > kFace && strip.gap_m < 0.0;
+      const double share = (strip.gap_m + kAir_m) / (kAir_m - kTouch_m);
+      strip.weight = put_down ? 1.0 : face ? 0.0 : std::clamp(share, 0.0, 1.0);
+      any = any || strip.bears();
+      even = even && strip.weight == 1.0;
+    }
+    stands_ = stands_ && any;
+  }
+  if (!stands_) {
+    // What does not stand, and what cannot tip, is fitted to all it has.
+    std::for_each_n(strips_.begin(), count_, [](StripGround& strip) { strip.weight = 1.0; });
+    even = true;
+  }
+  bears_all_ = true;
+  hangs_m_.setZero();
+  if (even && even_) {
+    return;
+  }
+  even_ = even;
+  // Normal equations of gap = heave + y roll - x pitch.
+  Eigen::Matrix3d sums = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < count_; ++i) {
+    const StripGround& strip = strips_[i];
+    const Eigen::Vector3d row(1.0, strip.p_B_m.y(), -strip.p_B_m.x());
+    sums += strip.weight * row * row.transpose();
+    hangs_m_ += (1.0 - strip.weight) * strip.p_B_m;
+    bears_all_ = bears_all_ && strip.bears();
   }
   // One strip per drum leaves roll undetermined: hold it.
   sums(1, 1) += 1e-9;
   inverse_ = sums.inverse();
 }
 
+std::array<std::size_t, 2> GroundRest::bearing(std::size_t drum) const {
+  std::array<std::size_t, 2> found{drum_strips_, 0};
+  for (std::size_t i = 0; i < drum_strips_; ++i) {
+    if (strips_[drum * drum_strips_ + i].bears()) {
+      found = {std::min(found[0], i), i + 1};
+    }
+  }
+  return found;
+}
+
 void GroundRest::look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
-                      const std::array<double, 2>& steer_rad) {
+                      const std::array<double, 2>& steer_rad, bool put_down) {
   if (steer_rad != steer_rad_) {
     place_strips(steer_rad);
   }
@@ -96,7 +168,6 @@ void GroundRest::look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
   ground_->obstacles_near(p_WB.head<2>() - reach, p_WB.head<2>() + reach, near_);
   // The terrain alone; obstacles after it.
   constexpr double ceiling_m = -std::numeric_limits<double>::infinity();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < count_; ++i) {
     StripGround& strip = strips_[i];
     const double x = strip.p_B_m.x();
@@ -109,7 +180,14 @@ void GroundRest::look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
     strip.gap_m = (strip.point.height_m - p_W.z()) * n.z() * scale;
     strip.slope = {-scale * n.dot(R_WB.col(0)), -scale * n.dot(R_WB.col(1))};
     climb(p_W, R_WB, steer_rad[i / drum_strips_], strip);
-    right += Eigen::Vector3d(strip.gap_m, strip.gap_m * y, -strip.gap_m * x);
+  }
+  find_bearing(put_down);
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < count_; ++i) {
+    const StripGround& strip = strips_[i];
+    if (strip.bears()) {
+      right += strip.weight * strip.gap_m * Eigen::Vector3d(1.0, strip.p_B_m.y(), -strip.p_B_m.x());
+    }
   }
   deviation_ = fit(right);
 }
@@ -125,11 +203,14 @@ RestMotion GroundRest::rates(double h, const Eigen::Vector3d& planar,
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < count_; ++i) {
     const StripGround& strip = strips_[i];
+    if (!strip.bears()) {
+      continue;
+    }
     const double x = strip.p_B_m.x();
     const double y = strip.p_B_m.y();
     const double climbing = strip.slope.x() * (planar[0] - planar[2] * y) +
                             strip.slope.y() * (planar[1] + planar[2] * x);
-    right += Eigen::Vector3d(climbing, climbing * y, -climbing * x);
+    right += strip.weight * Eigen::Vector3d(climbing, climbing * y, -climbing * x);
   }
   const RestMotion ground = fit(right);
   // y'' = w^2 (gap) + 2 zeta w (y_g' - y') by backward Euler, the ground's own rate fed forward.
@@ -139,9 +220,16 @@ RestMotion GroundRest::rates(double h, const Eigen::Vector3d& planar,
   const auto solve = [&](double rate, double away, double forward) {
     return (rate + stiff * away + follow * forward) * scale;
   };
-  return {solve(before.heave, deviation_.heave, ground.heave),
-          solve(before.roll, deviation_.roll, ground.roll),
-          solve(before.pitch, deviation_.pitch, ground.pitch)};
+  RestMotion found{solve(before.heave, deviation_.heave, ground.heave),
+                   solve(before.roll, deviation_.roll, ground.roll),
+                   solve(before.pitch, deviation_.pitch, ground.pitch)};
+  if (!even_) {
+    // Down is less heave, roll towards the hanging side, and pitch, nose down positive.
+    found.heave = held(found.heave, before.heave, h * fall_.heave, -1.0);
+    found.roll = held(found.roll, before.roll, h * fall_.roll, -hangs_m_.y());
+    found.pitch = held(found.pitch, before.pitch, h * fall_.pitch, hangs_m_.x());
+  }
+  return found;
 }
 
 }  // namespace rigwire::sim

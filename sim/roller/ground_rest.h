@@ -5,10 +5,13 @@
 // drum's axle is not climbed (sim/contact).
 //
 // Rigid drums rest on the terrain in the least-squares sense: the plane through the lowest lines of
-// the drums that fits the heights under all strips best. The frame follows it like a damped
-// oscillator (the mat and the rubber mounts give), with the plane's own rate fed forward: on a
-// plane, however steep, there is no deviation at all, and at rest there is exactly none. The rates
-// are solved by the backward Euler rule; accelerations are their change over the step.
+// the drums that fits the heights under all strips best which have ground under them: one that is
+// farther than 0.15 m above it (from 0.05 m on less and less), or over a face steeper than 2 to 1,
+// hangs free and bears nothing. A drum of which all strips do is in the air, and the machine tips
+// (tipped_roller.h). The frame follows it like a damped oscillator (the mat and the rubber mounts
+// give), with the plane's own rate fed forward: on a plane, however steep, there is no deviation at
+// all, and at rest there is exactly none. The rates are solved by the backward Euler rule;
+// accelerations are their change over the step.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -28,6 +31,9 @@ struct StripGround {
   GroundPoint point;
   double gap_m = 0.0;  ///< From the strip up to the surface, along the frame's z.
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< Of the surface against the frame's plane.
+  double weight = 1.0;  ///< In the fit: less where it comes off the ground, 0 in the air.
+
+  [[nodiscard]] bool bears() const { return weight > 0.0; }
 };
 inline constexpr std::size_t kRollerStripsMax = 2 * kDrumStripsMax;
 
@@ -42,13 +48,20 @@ class GroundRest {
  public:
   GroundRest(const RollerParameters& parameters, const Ground& ground);
 
-  /// Looks at the ground under the strips; `steer_rad` front and rear. 2 x strips look-ups.
+  /// Looks at the ground under the strips; `steer_rad` front and rear. 2 x strips look-ups. While
+  /// it is put down, all strips bear, however far from the ground.
   void look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
-            const std::array<double, 2>& steer_rad);
+            const std::array<double, 2>& steer_rad, bool put_down = false);
   [[nodiscard]] std::size_t count() const { return count_; }
   /// Front drum's strips first, each from right to left.
   [[nodiscard]] const StripGround& strip(std::size_t index) const { return strips_[index]; }
 
+  /// False: a drum is in the air, all along.
+  [[nodiscard]] bool stands() const { return stands_; }
+  /// No strip hangs free.
+  [[nodiscard]] bool bears_all() const { return bears_all_; }
+  /// The strips that bear of a drum: the first, and the one after the last. Precondition: stands().
+  [[nodiscard]] std::array<std::size_t, 2> bearing(std::size_t drum) const;
   /// How far the frame is from lying on the ground.
   [[nodiscard]] const RestMotion& deviation() const { return deviation_; }
   /// Rates at the end of a step of h, from those before; `planar` are u, v at the origin and r.
@@ -57,6 +70,8 @@ class GroundRest {
 
  private:
   void place_strips(const std::array<double, 2>& steer_rad);
+  /// Which strips bear, and the normal equations of those.
+  void find_bearing(bool put_down);
   /// Obstacles beside the terrain under one strip at p_W: raises its gap and slopes.
   void climb(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB, double steer_rad,
              StripGround& strip) const;
@@ -69,12 +84,17 @@ class GroundRest {
   double width_m_;
   double frequency_radps_;
   double damping_ratio_;
+  RestMotion fall_;  ///< Accelerations at which it falls about its edges.
   std::size_t drum_strips_;
   std::size_t count_;
   std::vector<std::uint32_t> near_;  ///< Obstacles within a radius of the drums.
   std::array<double, 2> steer_rad_{};
   std::array<StripGround, kRollerStripsMax> strips_;
   RestMotion deviation_;
+  bool stands_ = true;
+  Eigen::Vector2d hangs_m_ = Eigen::Vector2d::Zero();  ///< Sum of the places that hang free.
+  bool bears_all_ = true;
+  bool even_ = false;  ///< The normal equations are of all strips alike.
   Eigen::Matrix3d inverse_ = Eigen::Matrix3d::Identity();  ///< Of the normal equations.
 };
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "fields/check.h"
 #include "fields/visitor.h"
@@ -62,6 +63,10 @@ void visit(fields::Visitor& v, RollerParameters& p) {
            "Mass with drums, without water and chips.");
   v.number("yaw_inertia", p.yaw_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
            "Inertia in yaw about the centre of mass, without water and chips.");
+  v.number("roll_inertia", p.roll_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
+           "Inertia in roll about the centre of mass, without water and chips.");
+  v.number("pitch_inertia", p.pitch_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
+           "Inertia in pitch about the centre of mass, without water, chips and the drums' spins.");
   v.number("center_of_mass_x", p.center_of_mass_x_m, in("m").between(-100, 100),
            "Centre of mass forward of half way between the pivots.");
   v.number("center_of_mass_height", p.center_of_mass_height_m, in("m").at_least(0).at_most(100),
@@ -115,6 +120,15 @@ void validate(const RollerParameters& p) {
   fields::require(std::abs(p.center_of_mass_x_m) < p.pivot_x_m, "center_of_mass_x",
                   in("m").print(p.center_of_mass_x_m),
                   "between the pivots, " + in("m").print(p.pivot_x_m) + " to either side");
+  // No distribution of mass has a moment of inertia above the sum of the other two.
+  constexpr fields::NumberRule kUnit = in("kg m2");
+  const double sum = p.roll_inertia_kgm2 + p.pitch_inertia_kgm2 + p.yaw_inertia_kgm2;
+  for (const auto& [key, found] : {std::pair{"roll_inertia", p.roll_inertia_kgm2},
+                                   {"pitch_inertia", p.pitch_inertia_kgm2},
+                                   {"yaw_inertia", p.yaw_inertia_kgm2}}) {
+    fields::require(2.0 * found <= sum * (1.0 + 1e-9), key, kUnit.print(found),
+                    "at most the sum of the other two, " + kUnit.print(sum - found));
+  }
 }
 
 RollerMass loaded_mass(const RollerParameters& p, double water_kg, double chips_kg) {
@@ -126,11 +140,16 @@ RollerMass loaded_mass(const RollerParameters& p, double water_kg, double chips_
   sum.height_m = (p.mass_kg * p.center_of_mass_height_m + water_kg * p.sprinkler.height_m +
                   chips_kg * p.spreader.height_m) /
                  sum.mass_kg;
-  const auto moved = [&sum](double mass_kg, double x_m) {
-    return mass_kg * (x_m - sum.x_m) * (x_m - sum.x_m);
+  sum.inertia_kgm2 = {p.roll_inertia_kgm2, p.pitch_inertia_kgm2, p.yaw_inertia_kgm2};
+  const auto move = [&sum](double mass_kg, double x_m, double height_m) {
+    const double x2 = mass_kg * (x_m - sum.x_m) * (x_m - sum.x_m);
+    const double z2 = mass_kg * (height_m - sum.height_m) * (height_m - sum.height_m);
+    sum.inertia_kgm2 += Eigen::Vector3d(z2, x2 + z2, x2);
   };
-  sum.yaw_inertia_kgm2 = p.yaw_inertia_kgm2 + moved(p.mass_kg, p.center_of_mass_x_m) +
-                         moved(water_kg, p.sprinkler.x_m) + moved(chips_kg, p.spreader.x_m);
+  move(p.mass_kg, p.center_of_mass_x_m, p.center_of_mass_height_m);
+  move(water_kg, p.sprinkler.x_m, p.sprinkler.height_m);
+  move(chips_kg, p.spreader.x_m, p.spreader.height_m);
+  sum.yaw_inertia_kgm2 = sum.inertia_kgm2.z();
   return sum;
 }
 

@@ -9,6 +9,7 @@
 // front pivot is at (pivot_x_m, 0) and the rear one at (-pivot_x_m, 0).
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 
 #include "fields/rules.h"
@@ -61,8 +62,11 @@ inline constexpr std::array<std::string_view, 5> kRollerLinks{"frame", "front_yo
 
 struct RollerParameters {
   RollerLevel level = RollerLevel::dynamic;
-  double mass_kg = 8700.0;          ///< With both drums, without water and chips.
-  double yaw_inertia_kgm2 = 2.4e4;  ///< About its centre of mass, without water and chips.
+  double mass_kg = 8700.0;  ///< With both drums, without water and chips.
+  /// About its centre of mass, without water and chips.
+  double yaw_inertia_kgm2 = 2.4e4;
+  double roll_inertia_kgm2 = 4.5e3;  ///< Likewise, when it tips; the drums' spins not counted.
+  double pitch_inertia_kgm2 = 2.2e4;
   double center_of_mass_x_m = 0.0;
   double center_of_mass_height_m = 0.95;
   double pivot_x_m = 1.7;  ///< Half the distance of the drums' axles.
@@ -100,7 +104,8 @@ struct RollerMass {
   double mass_kg = 0.0;
   double x_m = 0.0;  ///< Centre of mass in the frame.
   double height_m = 0.0;
-  double yaw_inertia_kgm2 = 0.0;  ///< About the centre of mass.
+  double yaw_inertia_kgm2 = 0.0;                           ///< About the centre of mass.
+  Eigen::Vector3d inertia_kgm2 = Eigen::Vector3d::Zero();  ///< Roll, pitch, yaw.
 };
 [[nodiscard]] RollerMass loaded_mass(const RollerParameters& parameters, double water_kg,
                                      double chips_kg);

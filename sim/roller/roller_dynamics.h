@@ -22,52 +22,35 @@
 #include "sim/contact/contact_point.h"
 #include "sim/driveline/hydrostatic_drive.h"
 #include "sim/roller/drum_contact.h"
+#include "sim/roller/drum_train.h"
 #include "sim/roller/parameters.h"
 
 namespace rigwire::sim {
 
-/// Bristles (angle) of a drum's brake and of its rolling resistance.
-[[nodiscard]] std::array<BristleParameters, 2> spin_bristles(const RollerParameters& parameters);
-
 using RollerVelocity = Eigen::Matrix<double, 5, 1>;
 
-/// Dry friction on one drum's rate (brake, rolling resistance), or on its centre's way (soft soil).
-class SpinFriction {
- public:
-  explicit SpinFriction(const BristleParameters& parameters) : parameters_(parameters) {}
+/// One point of contact: speeds along its directions are rows . velocities of the solver.
+template <int kUnknowns>
+struct ContactRows {
+  using Velocity = Eigen::Matrix<double, kUnknowns, 1>;
 
-  void begin(double h, double limit_nm, double rate_before_radps);
-  /// True when it changed between holding and slipping.
-  [[nodiscard]] bool test(double rate_radps);
-  void settle(double rate_radps);
-  void preload(double torque_nm) { bristle_.yield(parameters_, torque_nm); }
-
-  /// Torque on the drum = offset - gain rate.
-  [[nodiscard]] ImplicitForce law() const {
-    return side_ == 0 ? law_ : ImplicitForce{side_ * limit_nm_, 0.0};
-  }
-  /// Of the last step, on the drum.
-  [[nodiscard]] double torque_nm() const { return torque_nm_; }
-
- private:
-  BristleParameters parameters_;
-  Bristle bristle_;
-  double h_ = 0.0;
-  double limit_nm_ = 0.0;
-  int side_ = 0;  ///< 0 holding; -1 or 1: at the limit of that sign.
-  ImplicitForce law_;
-  double torque_nm_ = 0.0;
-};
-
-/// One point of contact with an obstacle: speeds along its directions are rows . velocity.
-struct RollerContact {
   ContactPoint* point = nullptr;
-  std::array<RollerVelocity, 3> rows;
+  std::array<Velocity, 3> rows;
 
-  [[nodiscard]] std::array<double, 3> along(const RollerVelocity& x) const {
+  [[nodiscard]] std::array<double, 3> along(const Velocity& x) const {
     return {rows[0].dot(x), rows[1].dot(x), rows[2].dot(x)};
   }
+  /// Into (M + h gain) x' = ... + h offset, as its limits stand in this pass.
+  template <class Matrix>
+  void add(double h, Matrix& A, Velocity& b) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const ImplicitForce law = point->acting(i);
+      A += (h * law.gain) * rows[i] * rows[i].transpose();
+      b += (h * law.offset) * rows[i];
+    }
+  }
 };
+using RollerContact = ContactRows<5>;
 
 /// What acts on the roller in one step.
 struct RollerLoads {
@@ -75,8 +58,7 @@ struct RollerLoads {
   Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();  ///< In the frame's plane.
   Eigen::Vector3d supplement = Eigen::Vector3d::Zero();    ///< N, N, N m about the centre of mass.
   std::array<DrumSituation, 2> drum;
-  std::array<double, 2> brake_limit_nm{};
-  std::array<double, 2> rolling_limit_nm{};
+  DrumTorqueLimits torque;
   std::array<double, 2> ploughing_limit_n{};  ///< Of soft soil on the drum's centre, along it.
   std::span<const RollerContact> contacts;
 };
@@ -92,9 +74,12 @@ class RollerDynamics {
   void preload(const RollerLoads& loads, const std::array<double, 2>& normal_n);
 
   [[nodiscard]] const DrumContact& drum(std::size_t which) const { return drums_[which]; }
+  [[nodiscard]] DrumTrain& train() { return train_; }
   [[nodiscard]] double rolling_torque_nm(std::size_t which) const {
-    return rolling_[which].torque_nm();
+    return train_.rolling_torque_nm(which);
   }
+  /// The drums let go of the ground: bristles and what is told of them are gone.
+  void leave_ground();
   /// Of soft soil on the drum's centre, forward along it.
   [[nodiscard]] double ploughing_n(std::size_t which) const {
     return ploughing_[which].torque_nm();
@@ -107,8 +92,7 @@ class RollerDynamics {
  private:
   RollerParameters parameters_;
   std::array<DrumContact, 2> drums_;
-  std::array<SpinFriction, 2> brakes_;
-  std::array<SpinFriction, 2> rolling_;
+  DrumTrain train_;
   std::array<SpinFriction, 2> ploughing_;
   std::array<Eigen::Vector3d, 2> way_row_{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   std::uint64_t unsettled_steps_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -60,15 +61,16 @@ constexpr std::array<StatusQuantity, 8> kStatus{{{"speed", "km/h"},
                                                  {"water", "kg"},
                                                  {"chips", "kg"}}};
 
-constexpr std::array<TruthField, 9> kTruth{{{"drum_rate_radps", 2},
-                                            {"steer_rad", 2},
-                                            {"drum_load_n", 2},
-                                            {"pivot_moment_nm", 2},
-                                            {"slip_loss_w", 2},
-                                            {"pressure_pa", 1},
-                                            {"engine_speed_radps", 1},
-                                            {"water_kg", 1},
-                                            {"chips_kg", 1}}};
+constexpr std::array<TruthField, 10> kTruth{{{"drum_rate_radps", 2},
+                                             {"steer_rad", 2},
+                                             {"drum_load_n", 2},
+                                             {"pivot_moment_nm", 2},
+                                             {"slip_loss_w", 2},
+                                             {"pressure_pa", 1},
+                                             {"engine_speed_radps", 1},
+                                             {"water_kg", 1},
+                                             {"chips_kg", 1},
+                                             {"tipped", 1}}};
 
 // Motion of a frame at r in `base`, moving along r with rate and acceleration, axes as base's.
 LinkMotion carried(const LinkMotion& base, const Eigen::Vector3d& r, const Eigen::Vector3d& rate,
@@ -110,6 +112,9 @@ std::vector<ContactBody> solid_bodies(const RollerParameters& p) {
     drum.X_LS.linear() =
         Eigen::AngleAxisd(-0.5 * std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix();
   }
+  for (ContactBody& body : bodies) {
+    body.meets_terrain = true;  // When it has tipped.
+  }
   return bodies;
 }
 
@@ -137,8 +142,11 @@ TandemRoller::TandemRoller(const RollerParameters& parameters, const Ground& gro
       mass_(
           loaded_mass(parameters, parameters.sprinkler.initial_kg, parameters.spreader.initial_kg)),
       contact_(solid_bodies(parameters), kRollerLinks.size(), ground),
+      free_(parameters),
       pressure_pa_(parameters.drive.charge_pressure_pa) {
+  contact_.carry(Carried::by_model);
   contacts_.reserve(kMostContactPoints);
+  free_contacts_.reserve(kMostContactPoints);
   if (!position_m.allFinite() || !std::isfinite(yaw_rad)) {
     throw std::invalid_argument("roller: its place (x, y, yaw) must be finite numbers");
   }
@@ -153,7 +161,7 @@ void TandemRoller::settle_on_ground() {
   const auto position = [this] { return Eigen::Vector3d(start_W_ + state_.displacement_W); };
   for (int round = 0; round < 60; ++round) {
     const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();
-    rest_.look(position(), R_WB, {0.0, 0.0});
+    rest_.look(position(), R_WB, {0.0, 0.0}, true);
     const RestMotion away = rest_.deviation();
     start_W_.z() += away.heave / R_WB(2, 2);
     state_.q_WB = turned(state_.q_WB, {away.roll, away.pitch, 0.0}).normalized();
@@ -161,8 +169,12 @@ void TandemRoller::settle_on_ground() {
       break;
     }
   }
+  rest_.look(position(), state_.q_WB.toRotationMatrix(), {0.0, 0.0}, true);
+  hold_slope();
+}
+
+void TandemRoller::hold_slope() {
   const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();
-  rest_.look(position(), R_WB, {0.0, 0.0});
   for (int round = 0; round < 40; ++round) {  // Loads depend on the forces they carry.
     load_strips(R_WB, 0.0);
     dynamics_.preload(loads_, load_n_);
@@ -293,6 +305,16 @@ void TandemRoller::hold_travel_speed(double h) {
 }
 
 void TandemRoller::inner_step(double h) {
+  // A blow is short, whatever the machine's step.
+  constexpr double kLongestFree_s = 1e-3;
+  const int parts =
+      tipped_ ? std::max(1, static_cast<int>(std::ceil(h / kLongestFree_s - 1e-9))) : 1;
+  for (int i = 0; i < parts && !non_finite_; ++i) {
+    part_step(h / parts);
+  }
+}
+
+void TandemRoller::part_step(double h) {
   hold_travel_speed(h);
   const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();
   const Eigen::Vector3d v_B = R_WB.transpose() * state_.v_WB_W;
@@ -304,15 +326,23 @@ void TandemRoller::inner_step(double h) {
   rest_.look(start_W_ + state_.displacement_W, R_WB,
              {steering_[0].angle_rad(), steering_[1].angle_rad()});
 
-  meet_obstacles(h, R_WB);
   const RestMotion rest{v_B.z(), state_.w_WB_B.x(), state_.w_WB_B.y()};
   const std::array<double, 2> spin_before = spin_radps_;
   State next;
   if (parameters_.level == RollerLevel::kinematic) {
+    meet_obstacles(h, R_WB);
     move_kinematic(h, R_WB, rest, next);
   } else {
-    load_strips(R_WB, v_B.x());
-    move_dynamic(h, R_WB, rest, next);
+    if (tipped_ ? stands_again(h, R_WB) : loses_its_footing(h, R_WB)) {
+      tipped_ ? stand() : tip();
+    }
+    if (tipped_) {
+      move_tipped(h, R_WB, next);
+    } else {
+      meet_obstacles(h, R_WB);
+      load_strips(R_WB, v_B.x());
+      move_dynamic(h, R_WB, rest, next);
+    }
   }
   if (record_non_finite(next)) {
     spin_radps_ = spin_before;
@@ -332,13 +362,12 @@ void TandemRoller::inner_step(double h) {
   }
 }
 
-void TandemRoller::meet_obstacles(double h, const Eigen::Matrix3d& R_WB) {
-  loads_.contacts = {};
+bool TandemRoller::place_bodies(double h, const Eigen::Matrix3d& R_WB) {
   const double reach =
       2.0 * parameters_.pivot_x_m + 2.0 * parameters_.drum.radius_m + parameters_.drum.width_m;
   near_ = contact_.near(h, state_.v_WB_W.norm() + reach * state_.w_WB_B.norm() + 0.1);
   if (!near_) {
-    return;
+    return false;
   }
   const Eigen::Vector3d p_W = start_W_ + state_.displacement_W;
   const Eigen::Vector3d w_W = R_WB * state_.w_WB_B;
@@ -357,6 +386,15 @@ void TandemRoller::meet_obstacles(double h, const Eigen::Matrix3d& R_WB) {
     contact_links_[3 + i] = contact_links_[1 + i];
   }
   contact_.begin(h, contact_links_);
+  return true;
+}
+
+void TandemRoller::meet_obstacles(double h, const Eigen::Matrix3d& R_WB) {
+  loads_.contacts = {};
+  if (!place_bodies(h, R_WB)) {
+    return;
+  }
+  const Eigen::Vector3d p_W = start_W_ + state_.displacement_W;
   contacts_.clear();
   const Eigen::Vector3d c(mass_.x_m, 0.0, 0.0);
   const Eigen::Vector3d v_C_B = R_WB.transpose() * state_.v_WB_W + state_.w_WB_B.cross(c);
@@ -408,8 +446,16 @@ void TandemRoller::supplements(double h, double speed_mps) {
   mass_ = loaded_mass(parameters_, sprinkler_.mass_kg(), spreader_.mass_kg());
 }
 
+std::array<double, 2> TandemRoller::brake_limits_nm() const {
+  std::array<double, 2> limit{};
+  limit.fill(std::max(command_.parking_brake ? parameters_.parking_brake_torque_nm : 0.0,
+                      brake_share_ * parameters_.brake_torque_nm));
+  return limit;
+}
+
 void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
   const RollerParameters& p = parameters_;
+  loads_.torque.brake_nm = brake_limits_nm();
   loads_.mass = mass_;
   const double g = p.gravity_mps2;
   // Gravity along the frame; cutter's side force with its yaw moment about the centre of mass.
@@ -435,16 +481,30 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
     drum.steer_rate_radps = steering_[i].mean_rate_radps();
     drum.spin_radps = spin_radps_[i];
     const DrumContact& contact = dynamics_.drum(i);
-    // Load over the strips linear in y, with the drum's share of the tilting moment; none negative.
+    // Load linear in y over the strips that bear, with the drum's share of the tilting moment; none
+    // negative.
+    const auto bears = [&](std::size_t k) { return rest_.strip(i * strips + k).bears(); };
+    std::size_t bearing = 0;
+    double middle = 0.0;
+    for (std::size_t k = 0; k < strips; ++k) {
+      bearing += bears(k) ? 1 : 0;
+      middle += bears(k) ? contact.strip_y_m(static_cast<int>(k)) : 0.0;
+    }
+    const auto count_bearing = static_cast<double>(bearing);
+    middle = bearing == strips ? 0.0 : middle / count_bearing;
     double square = 0.0;
     for (std::size_t k = 0; k < strips; ++k) {
-      square += contact.strip_y_m(static_cast<int>(k)) * contact.strip_y_m(static_cast<int>(k));
+      const double y = contact.strip_y_m(static_cast<int>(k)) - middle;
+      square += bears(k) ? y * y : 0.0;
     }
-    const double mean = load_n_[i] / static_cast<double>(strips);
-    const double slope = square > 0.0 && normal > 0.0 ? tilt * load_n_[i] / (normal * square) : 0.0;
+    const double mean = load_n_[i] / count_bearing;
+    const double share = normal > 0.0 ? load_n_[i] / normal : 0.0;
+    const double slope =
+        square > 0.0 && normal > 0.0 ? (tilt * share - middle * load_n_[i]) / square : 0.0;
     double sum = 0.0;
     for (std::size_t k = 0; k < strips; ++k) {
-      drum.load_n[k] = std::max(0.0, mean + slope * contact.strip_y_m(static_cast<int>(k)));
+      const double y = contact.strip_y_m(static_cast<int>(k)) - middle;
+      drum.load_n[k] = bears(k) ? std::max(0.0, mean + slope * y) : 0.0;
       sum += drum.load_n[k];
     }
     const double scale = sum > 0.0 ? load_n_[i] / sum : 0.0;
@@ -461,7 +521,7 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
       // Friction mu N, on soft soil at most the shear strength; rolling loss by load and rut.
       drum.limit_n[k] = p.drum.friction_factor * point.friction * drum.load_n[k];
       rolling_n += p.drum.rolling_resistance * drum.load_n[k];
-      if (soil.soft && !point.obstacle) {
+      if (soil.soft && !point.obstacle && bears(k)) {
         drum.limit_n[k] =
             std::min(drum.limit_n[k],
                      shear_limit_n(soil, drum.load_n[k], strip_width * p.drum.contact_length_m));
@@ -481,10 +541,8 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
         }
       }
     }
-    loads_.rolling_limit_nm[i] = rolling_n * p.drum.radius_m;
+    loads_.torque.rolling_nm[i] = rolling_n * p.drum.radius_m;
     loads_.ploughing_limit_n[i] = ploughing_n;
-    loads_.brake_limit_nm[i] = std::max(command_.parking_brake ? p.parking_brake_torque_nm : 0.0,
-                                        brake_share_ * p.brake_torque_nm);
   }
 }
 
@@ -518,6 +576,178 @@ void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const Res
   next.alpha_WB_B = (w - state_.w_WB_B) / h;
   // a_B = a_C - alpha x c - w x (w x c).
   next.a_WB_W = (v_next_W - v_WC_W) / h - R_next * (next.alpha_WB_B.cross(c) + w.cross(w.cross(c)));
+}
+
+double TandemRoller::margin_m(const Eigen::Vector2d& push_n, const Eigen::Vector2d& lever_nm,
+                              double normal_n) const {
+  // Where on the ground the resultant has no moment about the centre of mass, height h above it:
+  // X = (M_y - h F_x) / N, Y = -(M_x + h F_y) / N.
+  const Eigen::Vector2d zero(mass_.x_m + (lever_nm.y() - mass_.height_m * push_n.x()) / normal_n,
+                             -(lever_nm.x() + mass_.height_m * push_n.y()) / normal_n);
+  // Ends of what bears of both drums, left about the frame's z.
+  const double width = parameters_.drum.width_m;
+  const double strip_width = width / static_cast<double>(parameters_.drum.strips);
+  std::array<Eigen::Vector2d, 4> corner;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::array<std::size_t, 2> bearing = rest_.bearing(i);
+    const double x = i == 0 ? parameters_.pivot_x_m : -parameters_.pivot_x_m;
+    const Eigen::Vector2d along(-std::sin(steering_[i].angle_rad()),
+                                std::cos(steering_[i].angle_rad()));
+    const auto end = [&](std::size_t strip) {
+      const double y = strip_width * static_cast<double>(strip) - 0.5 * width;
+      return Eigen::Vector2d(Eigen::Vector2d(x, 0.0) + y * along);
+    };
+    corner[i] = end(bearing[1]);
+    corner[3 - i] = end(bearing[0]);
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d edge = corner[(i + 1) % 4] - corner[i];
+    const Eigen::Vector2d way = zero - corner[i];
+    least = std::min(least, (edge.x() * way.y() - edge.y() * way.x()) / edge.norm());
+  }
+  return least;
+}
+
+bool TandemRoller::loses_its_footing(double h, const Eigen::Matrix3d& R_WB) {
+  constexpr double kLongest_s = 0.02;
+  if (!rest_.stands()) {
+    return true;
+  }
+  // Of the step before: the ground's forces, the cutter's at the ground, and those of obstacles.
+  const double normal = mass_.mass_kg * parameters_.gravity_mps2 * R_WB(2, 2);
+  const Eigen::Vector2d push =
+      dynamics_.ground_force_n() + Eigen::Vector2d(0.0, loads_.supplement.y());
+  Eigen::Vector2d lever = Eigen::Vector2d::Zero();
+  if (near_) {
+    const Eigen::Vector3d centre_W =
+        start_W_ + state_.displacement_W + R_WB * Eigen::Vector3d(mass_.x_m, 0.0, mass_.height_m);
+    for (const ContactPoint& point : contact_.points()) {
+      Eigen::Vector3d force = R_WB.transpose() * point.sum_W();
+      force.z() = 0.0;  // What the model of its plane does not feel.
+      lever += (R_WB.transpose() * (point.p_W - centre_W)).cross(force).head<2>();
+    }
+  }
+  if (!(normal > 0.0)) {
+    return false;  // Weightless, it cannot tip.
+  }
+  support_margin_m_ = margin_m(push, lever, normal);
+  unsteady_s_ = support_margin_m_ < 0.0 ? unsteady_s_ + h : 0.0;
+  // A blow passes; a support that is gone does not come back.
+  return unsteady_s_ > (rest_.bears_all() ? kLongest_s : 0.0);
+}
+
+void TandemRoller::tip() {
+  tipped_ = true;
+  calm_s_ = 0.0;
+  contact_.carry(Carried::by_contact);
+  dynamics_.leave_ground();
+  loads_.contacts = {};
+}
+
+bool TandemRoller::stands_again(double h, const Eigen::Matrix3d& R_WB) {
+  constexpr double kUpright = 0.5;  // Cosine.
+  constexpr double kNear_m = 0.02;
+  constexpr double kNear_rad = 0.01;
+  constexpr double kCalm_mps = 0.05;
+  constexpr double kCalm_radps = 0.05;
+  constexpr double kMargin_m = 0.02;
+  constexpr double kCalm_s = 0.3;
+  const RestMotion& away = rest_.deviation();
+  const double weight = mass_.mass_kg * parameters_.gravity_mps2;
+  const bool back = R_WB(2, 2) > kUpright && rest_.stands() && std::abs(away.heave) < kNear_m &&
+                    std::abs(away.roll) < kNear_rad && std::abs(away.pitch) < kNear_rad &&
+                    state_.w_WB_B.head<2>().norm() < kCalm_radps &&
+                    std::abs(R_WB.col(2).dot(state_.v_WB_W)) < kCalm_mps &&
+                    margin_m(weight * R_WB.row(2).head<2>().transpose(), Eigen::Vector2d::Zero(),
+                             weight * R_WB(2, 2)) > kMargin_m;
+  calm_s_ = back ? calm_s_ + h : 0.0;
+  return calm_s_ > kCalm_s;
+}
+
+void TandemRoller::stand() {
+  tipped_ = false;
+  unsteady_s_ = 0.0;
+  contact_.carry(Carried::by_model);
+  contact_.clear_points();
+  near_ = false;
+  hold_slope();
+}
+
+void TandemRoller::move_tipped(double h, const Eigen::Matrix3d& R_WB, State& next) {
+  const Eigen::Vector3d c(mass_.x_m, 0.0, mass_.height_m);
+  const Eigen::Vector3d c_W = R_WB * c;
+  const Eigen::Vector3d w_W = R_WB * state_.w_WB_B;
+  const Eigen::Vector3d centre_W = start_W_ + state_.displacement_W + c_W;
+  TippedLoads loads;
+  loads.mass = mass_;
+  loads.R_WB = R_WB;
+  loads.torque.brake_nm = brake_limits_nm();
+  TippedVelocity x;
+  x.head<3>() = state_.v_WB_W + w_W.cross(c_W);
+  x.segment<3>(3) = w_W;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double angle = steering_[i].angle_rad();
+    loads.axle_W[i] = R_WB * Eigen::Vector3d(-std::sin(angle), std::cos(angle), 0.0);
+    x[static_cast<Eigen::Index>(6 + i)] = spin_radps_[i] + loads.axle_W[i].dot(w_W);
+    loads.torque.rolling_nm[i] =
+        parameters_.drum.rolling_resistance * load_n_[i] * parameters_.drum.radius_m;
+  }
+  free_contacts_.clear();
+  if (place_bodies(h, R_WB)) {
+    for (ContactPoint& point : contact_.points()) {
+      TippedContact& contact = free_contacts_.emplace_back();
+      contact.point = &point;
+      const Eigen::Vector3d p = point.p_W - centre_W;
+      const Eigen::Vector3d arm = point.p_W - contact_links_[point.link].X_WL.translation();
+      const std::size_t pivot = (point.link + 1) % 2;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Eigen::Vector3d& d = point.direction_W[k];
+        contact.rows[k] = point.link >= 3
+                              ? TippedRoller::drum_row(d, p, loads.axle_W[pivot], arm, pivot)
+                              : TippedRoller::body_row(d, p);
+        if (point.link > 0) {  // The pivot turns it, whatever that takes.
+          point.other_mps[k] -= steering_[pivot].mean_rate_radps() * d.dot(R_WB.col(2).cross(arm));
+        }
+      }
+      if (point.link >= 3) {
+        point.law.friction *= parameters_.drum.friction_factor;
+      }
+      point.begin(h, contact.along(x));
+    }
+  }
+  loads.contacts = free_contacts_;
+  const TippedVelocity before = x;
+  drive_.begin(h);
+  free_.step(h, loads, dynamics_.train(), drive_, x);
+  pressure_pa_ = drive_.gauge_pressure_pa();
+  if (near_) {
+    contact_.settle(h, [&](const ContactPoint& point) {
+      return free_contacts_[static_cast<std::size_t>(&point - contact_.points().data())].along(x);
+    });
+  }
+  load_n_ = {};
+  for (const TippedContact& contact : free_contacts_) {
+    if (contact.point->link >= 3) {
+      load_n_[contact.point->link - 3] += contact.point->force_n[0];
+    }
+  }
+
+  const Eigen::Vector3d v_next = x.head<3>();
+  const Eigen::Vector3d w_next = x.segment<3>(3);
+  for (std::size_t i = 0; i < 2; ++i) {
+    spin_radps_[i] = x[static_cast<Eigen::Index>(6 + i)] - loads.axle_W[i].dot(w_next);
+  }
+  next.q_WB = turned(state_.q_WB, h * (R_WB.transpose() * w_next));
+  const Eigen::Matrix3d R_next = next.q_WB.toRotationMatrix();
+  const Eigen::Vector3d c_next = R_next * c;
+  next.displacement_W = state_.displacement_W + c_W + h * v_next - c_next;
+  next.w_WB_B = R_next.transpose() * w_next;
+  next.v_WB_W = v_next - w_next.cross(c_next);
+  const Eigen::Vector3d alpha_W = (w_next - before.segment<3>(3)) / h;
+  next.alpha_WB_B = R_next.transpose() * alpha_W;
+  next.a_WB_W =
+      (v_next - before.head<3>()) / h - alpha_W.cross(c_next) - w_next.cross(w_next.cross(c_next));
 }
 
 void TandemRoller::move_kinematic(double h, const Eigen::Matrix3d& R_WB, const RestMotion& before,
@@ -724,7 +954,7 @@ std::span<const TruthField> TandemRoller::truth_fields() const {
 }
 
 void TandemRoller::read_truth(std::span<double> values) const {
-  const std::array<double, 14> all{spin_radps_[0],
+  const std::array<double, 15> all{spin_radps_[0],
                                    spin_radps_[1],
                                    steering_[0].angle_rad(),
                                    steering_[1].angle_rad(),
@@ -737,7 +967,8 @@ void TandemRoller::read_truth(std::span<double> values) const {
                                    pressure_pa_,
                                    drive_.engine_speed_radps(),
                                    sprinkler_.mass_kg(),
-                                   spreader_.mass_kg()};
+                                   spreader_.mass_kg(),
+                                   tipped_ ? 1.0 : 0.0};
   std::copy(all.begin(), all.end(), values.begin());
 }
 

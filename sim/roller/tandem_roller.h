@@ -8,6 +8,11 @@
 // replaces the solve: v, yaw rate and drum rates of a bicycle that steers at both ends, each step
 // an exact arc.
 //
+// Where the resultant of weight and inertia leaves what the strips stand on (their hull, seen from
+// above), for 20 ms where all strips bear, or a drum is in the air, the machine tips: it is a free
+// rigid body carried by its contacts (tipped_roller.h), until it lies still, or is back on both
+// drums and calm for 0.3 s. The kinematic level, which has no forces, never tips.
+//
 // Steering of counter, crab and front-only is the controller's: it commands both angles. A drum
 // reports as two wheels with one rate. The gear means nothing to this machine. The engine runs at
 // the commanded governor speed; an accelerator above 0 sets it between idle and rated; with neither
@@ -34,6 +39,7 @@
 #include "sim/roller/roller_dynamics.h"
 #include "sim/roller/steering.h"
 #include "sim/roller/supplements.h"
+#include "sim/roller/tipped_roller.h"
 #include "sim/roller/vibration.h"
 
 namespace rigwire::sim {
@@ -82,6 +88,11 @@ class TandemRoller final : public Machine, public VehiclePort {
   }
   /// Normal force of a drum in the last step.
   [[nodiscard]] double drum_load_n(std::size_t which) const { return load_n_[which]; }
+  /// It does not stand on both drums: it tips, falls or lies.
+  [[nodiscard]] bool tipped() const { return tipped_; }
+  /// How far inside of what it stands on the resultant of weight and inertia meets the ground, in
+  /// the last step on its drums; negative: outside.
+  [[nodiscard]] double support_margin_m() const { return support_margin_m_; }
   [[nodiscard]] const RollerMass& mass() const { return mass_; }
   [[nodiscard]] const HydrostaticDrive& drive() const { return drive_; }
   [[nodiscard]] const RollerDynamics& dynamics() const { return dynamics_; }
@@ -102,6 +113,8 @@ class TandemRoller final : public Machine, public VehiclePort {
   };
 
   void inner_step(double h);
+  /// Of the inner step all, or a millisecond at most while it has tipped.
+  void part_step(double h);
   /// Holds the travel speed that is commanded: trims the drive's set point by what the drums are
   /// slower than it, and applies the brake at rest.
   void hold_travel_speed(double h);
@@ -115,9 +128,25 @@ class TandemRoller final : public Machine, public VehiclePort {
                       State& next);
   [[nodiscard]] double kinematic_pressure_pa(double acceleration_mps2) const;
   void settle_on_ground();
+  /// Brakes and bristles take up the slope that it stands on.
+  void hold_slope();
+  [[nodiscard]] std::array<double, 2> brake_limits_nm() const;
+  /// Where the bodies are, to those that meet them. False: nothing is near in this step.
+  [[nodiscard]] bool place_bodies(double h, const Eigen::Matrix3d& R_WB);
   /// Points of contact with obstacles, and their rows, about the centre of mass.
   void meet_obstacles(double h, const Eigen::Matrix3d& R_WB);
   void settle_contacts(double h, const RollerVelocity& found);
+
+  /// By these forces of the ground in the frame's plane, with `lever_nm` of obstacles about the
+  /// centre of mass, about x and y.
+  [[nodiscard]] double margin_m(const Eigen::Vector2d& push_n, const Eigen::Vector2d& lever_nm,
+                                double normal_n) const;
+  /// Whether it tips from this step on.
+  [[nodiscard]] bool loses_its_footing(double h, const Eigen::Matrix3d& R_WB);
+  void tip();
+  void move_tipped(double h, const Eigen::Matrix3d& R_WB, State& next);
+  [[nodiscard]] bool stands_again(double h, const Eigen::Matrix3d& R_WB);
+  void stand();
   [[nodiscard]] bool record_non_finite(const State& next);
   void update_links();
   void update_dust();
@@ -151,6 +180,12 @@ class TandemRoller final : public Machine, public VehiclePort {
   ContactSet contact_;
   std::array<ContactLink, kRollerLinks.size()> contact_links_;
   std::vector<RollerContact> contacts_;
+  TippedRoller free_;
+  std::vector<TippedContact> free_contacts_;
+  bool tipped_ = false;
+  double unsteady_s_ = 0.0;  ///< Since when the resultant is outside.
+  double calm_s_ = 0.0;      ///< Since when it is back on its drums.
+  double support_margin_m_ = 0.0;
   bool near_ = false;  ///< Obstacles may be within reach in this step.
   std::array<double, 2> load_n_{};
   std::array<double, 2> spin_radps_{};

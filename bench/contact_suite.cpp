@@ -272,34 +272,40 @@ nlohmann::json points(const std::vector<Outline>& outlines) {
 }
 
 nlohmann::json trace_table(std::ostream& text) {
-  return tabulate(
-      text, "\nfrom the side, instant by instant in the JSON file, 1 ms",
-      {{"meeting", "<42"}, {"force kN", ">9"}, {"deepest mm", ">11"}, {"dent mm", ">8"}},
-      std::array{&drive_into_trunk, &lower_onto_rock},
-      [](ContactTrace (*meet)()) -> std::vector<Cell> {
-        const ContactTrace trace = meet();
-        ContactTrace::Instant most;
-        nlohmann::json instants = nlohmann::json::array();
-        for (const ContactTrace::Instant& one : trace.instants) {
-          most.force_n = std::max(most.force_n, one.force_n);
-          most.deepest_m = std::max(most.deepest_m, one.deepest_m);
-          most.dent_m = std::max(most.dent_m, one.dent_m);
-          instants.push_back({{"time_s", one.time_s},
-                              {"x_m", number_or_null(one.x_m)},
-                              {"z_m", number_or_null(one.z_m)},
-                              {"force_n", number_or_null(one.force_n)},
-                              {"deepest_m", number_or_null(one.deepest_m)},
-                              {"dent_m", number_or_null(one.dent_m)}});
-        }
-        return {word("name", trace.name),
-                number("greatest_n", most.force_n, "{:.0f}", 1e-3),
-                number("deepest_m", most.deepest_m, "{:.2f}", 1e3),
-                number("dent_m", most.dent_m, "{:.0f}", 1e3),
-                stored("instants", std::move(instants)),
-                stored("obstacle", points(trace.obstacle)),
-                stored("at_touch", points(trace.at_touch)),
-                stored("at_end", points(trace.at_end))};
-      });
+  return tabulate(text, "\nfrom the side, instant by instant in the JSON file, 1 ms",
+                  {{"meeting", "<42"},
+                   {"force kN", ">9"},
+                   {"deepest mm", ">11"},
+                   {"dent mm", ">8"},
+                   {"tyre mm", ">8"}},
+                  std::array{&drive_into_trunk, &lower_onto_rock, &roll_at_fallen_trunk},
+                  [](ContactTrace (*meet)()) -> std::vector<Cell> {
+                    const ContactTrace trace = meet();
+                    ContactTrace::Instant most;
+                    nlohmann::json instants = nlohmann::json::array();
+                    for (const ContactTrace::Instant& one : trace.instants) {
+                      most.force_n = std::max(most.force_n, one.force_n);
+                      most.deepest_m = std::max(most.deepest_m, one.deepest_m);
+                      most.dent_m = std::max(most.dent_m, one.dent_m);
+                      most.pressed_m = std::max(most.pressed_m, one.pressed_m);
+                      instants.push_back({{"time_s", one.time_s},
+                                          {"x_m", number_or_null(one.x_m)},
+                                          {"z_m", number_or_null(one.z_m)},
+                                          {"force_n", number_or_null(one.force_n)},
+                                          {"deepest_m", number_or_null(one.deepest_m)},
+                                          {"dent_m", number_or_null(one.dent_m)},
+                                          {"pressed_m", number_or_null(one.pressed_m)}});
+                    }
+                    return {word("name", trace.name),
+                            number("greatest_n", most.force_n, "{:.0f}", 1e-3),
+                            number("deepest_m", most.deepest_m, "{:.2f}", 1e3),
+                            number("dent_m", most.dent_m, "{:.0f}", 1e3),
+                            number("pressed_m", most.pressed_m, "{:.0f}", 1e3),
+                            stored("instants", std::move(instants)),
+                            stored("obstacle", points(trace.obstacle)),
+                            stored("at_touch", points(trace.at_touch)),
+                            stored("at_end", points(trace.at_end))};
+                  });
 }
 
 }  // namespace

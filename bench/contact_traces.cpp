@@ -1,5 +1,6 @@
 #include "bench/contact_traces.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -44,7 +45,7 @@ Ground level_ground(bool soft, std::vector<sim::Obstacle> obstacles) {
   return Ground(field, sim::SoilMap{{soil}, {}}, std::move(obstacles));
 }
 
-/// Boxes of the body; wheels by their axles' places in it.
+/// Boxes of the body, and the left wheels.
 std::vector<Outline> side_of(const sim::WheeledVehicle& machine,
                              const sim::WheeledVehicleParameters& parameters) {
   const Eigen::Isometry3d& body = machine.links()[0].X_WL;
@@ -58,9 +59,12 @@ std::vector<Outline> side_of(const sim::WheeledVehicle& machine,
     }
     outlines.push_back(std::move(outline));
   }
-  for (const sim::VehicleAxleParameters* axle : {&parameters.front, &parameters.rear}) {
-    const Vector hub = body * Vector(axle->position_x_m, 0.0, 0.0);
-    outlines.push_back(circle(hub.x(), axle->tyre.unloaded_radius_m, axle->tyre.unloaded_radius_m));
+  for (const auto& [link, axle] :
+       {std::pair{"front_left_wheel", &parameters.front}, {"rear_left_wheel", &parameters.rear}}) {
+    const auto at = std::ranges::find(machine.link_names(), std::string_view(link));
+    const Vector hub = machine.links()[static_cast<std::size_t>(at - machine.link_names().begin())]
+                           .X_WL.translation();
+    outlines.push_back(circle(hub.x(), hub.z(), axle->tyre.unloaded_radius_m));
   }
   return outlines;
 }
@@ -88,8 +92,8 @@ void follow(Machine& machine, double span_s, ContactTrace& trace, Front front, S
     machine.step(std::chrono::milliseconds(1));
     const sim::ContactReport& report = *machine.contact_report();
     const Vector at = front();
-    trace.instants.push_back(
-        {1e-3 * (i + 1), at.x(), at.z(), report.force_n, report.deepest_m, report.dent_m});
+    trace.instants.push_back({1e-3 * (i + 1), at.x(), at.z(), report.force_n, report.deepest_m,
+                              report.dent_m, report.pressed_m});
     if (trace.at_touch.empty() && report.touches > 0) {
       trace.at_touch = trace.at_end = side();
       most_n = report.force_n;
@@ -103,13 +107,8 @@ void follow(Machine& machine, double span_s, ContactTrace& trace, Front front, S
   }
 }
 
-}  // namespace
-
-ContactTrace drive_into_trunk() {
-  constexpr double kSpeed_mps = 50.0 / 3.6;
-  constexpr double kTrunk_m = 0.4;
-  constexpr double kAt_m = 9.0;
-  const Ground ground = level_ground(false, {sim::trunk_at(kAt_m, 0.0, kTrunk_m, 12.0)});
+/// A Unimog at level full, out of gear, with that speed along x.
+void roll_on(const Ground& ground, double speed_mps, double span_s, ContactTrace& trace) {
   sim::WheeledVehicleParameters parameters;
   parameters.level = sim::VehicleLevel::full;
   parameters.step_s = 1e-3;
@@ -118,15 +117,39 @@ ContactTrace drive_into_trunk() {
   VehicleCommand command;
   command.parking_brake = false;
   machine->command(command);
-  machine->start_rolling(kSpeed_mps);
-  ContactTrace trace;
-  trace.name = "Unimog, trunk of 0.8 m, 50 km/h";
-  trace.obstacle = {upright(kAt_m, kTrunk_m, 3.5)};
+  machine->start_rolling(speed_mps);
   const sim::ContactBox& cab = parameters.solid.boxes.front();
   const Vector nose = cab.position_m + 0.5 * Vector(cab.size_m.x(), 0.0, -cab.size_m.z());
   follow(
-      *machine, 0.6, trace, [&] { return Vector(machine->links()[0].X_WL * nose); },
+      *machine, span_s, trace, [&] { return Vector(machine->links()[0].X_WL * nose); },
       [&] { return side_of(*machine, parameters); });
+}
+
+}  // namespace
+
+ContactTrace drive_into_trunk() {
+  constexpr double kTrunk_m = 0.4;
+  constexpr double kAt_m = 9.0;
+  ContactTrace trace;
+  trace.name = "Unimog, trunk of 0.8 m, 50 km/h";
+  trace.obstacle = {upright(kAt_m, kTrunk_m, 3.5)};
+  roll_on(level_ground(false, {sim::trunk_at(kAt_m, 0.0, kTrunk_m, 12.0)}), 50.0 / 3.6, 0.6, trace);
+  return trace;
+}
+
+ContactTrace roll_at_fallen_trunk() {
+  constexpr double kTrunk_m = 0.65;
+  constexpr double kAt_m = 5.0;
+  const Ground ground = level_ground(false, {sim::trunk_at(kAt_m, -6.0, kTrunk_m, 12.0)});
+  // Across the way, its middle in it.
+  Eigen::Isometry3d lies = Eigen::Isometry3d::Identity();
+  lies.translation() << kAt_m, 0.0, 0.0;
+  lies.linear() = Eigen::AngleAxisd(-0.5 * std::numbers::pi, Vector::UnitX()).toRotationMatrix();
+  (void)ground.lay(0, lies);
+  ContactTrace trace;
+  trace.name = "Unimog, fallen trunk of 1.3 m, 3 m/s";
+  trace.obstacle = {circle(kAt_m, 0.0, kTrunk_m)};
+  roll_on(ground, 3.0, 1.5, trace);
   return trace;
 }
 

@@ -1,5 +1,6 @@
-// Two meetings with solid things, instant by instant, for pictures: a Unimog at 50 km/h into a
-// trunk that does not give way, and the bucket lowered onto a rock.
+// Three meetings with solid things, instant by instant, for pictures: a Unimog at 50 km/h into a
+// trunk that does not give way, the bucket lowered onto a rock, a Unimog that rolls against a trunk
+// which lies across its way.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,6 +21,7 @@ struct ContactTrace {
     double force_n = 0.0;
     double deepest_m = 0.0;  ///< Overlap at this instant.
     double dent_m = 0.0;
+    double pressed_m = 0.0;  ///< Of the tyre that is pressed in most.
   };
   std::string name;
   std::vector<Instant> instants;  ///< 1 ms apart.
@@ -33,5 +35,8 @@ struct ContactTrace {
 /// The boom's valve open by 0.5 downwards, a rock of 0.7 m radius under the tip, half in the
 /// ground.
 [[nodiscard]] ContactTrace lower_onto_rock();
+/// Level full, out of gear, at 3 m/s; the trunk is 1.3 m thick, half of it in the ground, and so
+/// higher than the wheels' axles.
+[[nodiscard]] ContactTrace roll_at_fallen_trunk();
 
 }  // namespace rigwire::bench

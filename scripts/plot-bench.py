@@ -6,7 +6,7 @@
 FOLDER is docs/accuracy beside this script's folder unless given. Draws what the file has:
 work_precision.svg (excavator), dynamics_MACHINE.svg (dynamics), range_error.svg (lidar),
 lateness.svg (pacing), gnss_lap.svg (gnss: after figure 2 of Wolf et al. 2020), drawbar.svg,
-contact_trunk.svg and contact_rock.svg (contact). Standard library only.
+contact_trunk.svg, contact_rock.svg and contact_fallen_trunk.svg (contact). Standard library only.
 """
 import json
 import math
@@ -380,7 +380,7 @@ def meeting(bench, path, which):
     shown = [one for one in instants
              if touched[0] - 0.05 * span <= one["time_s"] <= touched[-1] + 0.05 * span]
     curves = [("force_n", 1e-3, "force, kN"), ("deepest_m", 1e3, "overlap, mm"),
-              ("dent_m", 1e3, "dent, mm")]
+              ("dent_m", 1e3, "dent, mm"), ("pressed_m", 1e3, "tyre pressed in, mm")]
     curves = [c for c in curves if max(one[c[0]] for one in shown) > 0.0]
     bent = max(one["dent_m"] for one in shown) > 0.0
     first = next(one["x_m"] for one in instants if one["force_n"] > 0.0)
@@ -416,7 +416,9 @@ def main():
                                   ("gnss", gnss_lap, "gnss_lap.svg"),
                                   ("contact", drawbar, "drawbar.svg"),
                                   ("contact", lambda b, p: meeting(b, p, 0), "contact_trunk.svg"),
-                                  ("contact", lambda b, p: meeting(b, p, 1), "contact_rock.svg")):
+                                  ("contact", lambda b, p: meeting(b, p, 1), "contact_rock.svg"),
+                                  ("contact", lambda b, p: meeting(b, p, 2),
+                                   "contact_fallen_trunk.svg")):
             if suite in bench:
                 draw(bench, os.path.normpath(os.path.join(folder, name)))
         for machine in dict.fromkeys(case["machine"].split(" ")[0] for case in

@@ -263,10 +263,6 @@ void validate(const ExcavatorParameters& p) {
                   "carrier", "moving",
                   "fixed where level is kinematic: without forces nothing rocks");
 
-  validate(p.tracks);
-  for (const SupportParameters& support : p.supports) {
-    validate(support);
-  }
   const std::vector<std::string_view> actuators = excavator_actuators(p);
   fields::require(actuators.size() <= kValveSections, "supports",
                   std::to_string(p.supports.size()) + ", with the rest " +

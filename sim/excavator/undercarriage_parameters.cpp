@@ -90,7 +90,6 @@ void validate(const TrackParameters& p) {
   fields::require(
       p.shoe_width_m < p.gauge_m, "shoe_width", in("m").print(p.shoe_width_m),
       "less than the gauge of " + in("m").print(p.gauge_m) + ": the tracks would overlap");
-  validate(p.spool);
 }
 
 void validate(const SupportParameters& p) {
@@ -101,7 +100,6 @@ void validate(const SupportParameters& p) {
   fields::require(word, "name", "\"" + p.name + "\"", "lower-case letters, digits and underscores");
   fields::require(p.rod_m < p.bore_m, "rod", in("mm").print(p.rod_m),
                   "less than the bore of " + in("mm").print(p.bore_m));
-  validate(p.spool);
 }
 
 }  // namespace rigwire::sim

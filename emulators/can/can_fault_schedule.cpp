@@ -94,12 +94,24 @@ bool CanFaultSchedule::end(Book::Id id, SimTime now) {
 
 void CanFaultSchedule::add_intruder(Book::Id id, const protocols::can::Frame& frame,
                                     Duration period) {
+  const SimTime begin = book_.find(id).when.begin();
+  const auto over = [this](const Intruder& old) {
+    const bool waits = book_.has(old.id) && book_.find(old.id).when.waits();
+    return old.next == kNever && !old.node->is_open() && !waits;
+  };
+  if (const auto free = std::ranges::find_if(intruders_, over); free != intruders_.end()) {
+    free->id = id;
+    free->frame = frame;
+    free->period = period;
+    free->next = begin;
+    return;
+  }
   CanNodeSettings settings;
   settings.name = "intruder " + std::to_string(intruders_.size() + 1);
   settings.bit_rate_bps = bit_rate_bps_;
   settings.queue_frames = 1;
-  intruders_.push_back({id, std::make_unique<CanController>(settings, &intruder_exit_), frame,
-                        period, book_.find(id).when.begin()});
+  intruders_.push_back(
+      {id, std::make_unique<CanController>(settings, &intruder_exit_), frame, period, begin});
   CanController& node = *intruders_.back().node;
   node.configure(kStart, {.present = false}, bit_rate_bps_);
   wire_.connect(kStart, node);

@@ -63,6 +63,7 @@ class CanFaultSchedule {
 
   [[nodiscard]] CanController& find_node(const CanFault& fault) const;
   [[nodiscard]] CanSegment& stub_of(CanController& node);
+  /// In the place of one whose fault is over, where there is such a one.
   void add_intruder(Book::Id id, const protocols::can::Frame& frame, Duration period);
   void find_due();
   [[nodiscard]] SimTime next_change() const;

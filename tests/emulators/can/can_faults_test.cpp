@@ -244,6 +244,24 @@ TEST_F(CanFaults, OneOfANodeThatIsThereAlreadyIsRefusedInTheRunToo) {
   EXPECT_GE(bus_.counters(b_).sent, 90U);
 }
 
+/// Of a client of the control surface that adds one again and again.
+TEST_F(CanFaults, AnIntrudersPlaceIsTakenByTheNext) {
+  bus_.set_faults({}, intruders_);
+  for (int i = 0; i < 200; ++i) {
+    const Duration from = i * 20ms;
+    bus_.faults().begin(fault(IntruderFault{"080#00", 5ms}, from, from + 10ms));
+    live(kStart + from, kStart + from + 20ms);
+  }
+  EXPECT_EQ(intruders_.frames.size(), 400U) << "two of each";
+  EXPECT_EQ(bus_.faults().intruders().size(), 1U);
+  // Two at a time are two.
+  bus_.faults().begin(fault(IntruderFault{"080#00", 5ms}, 4s, 5s));
+  bus_.faults().begin(fault(IntruderFault{"081#00", 5ms}, 4s, 5s));
+  live(kStart + 4s, kStart + 5s);
+  EXPECT_EQ(intruders_.frames.size(), 800U);
+  EXPECT_EQ(bus_.faults().intruders().size(), 2U);
+}
+
 struct Outcome {
   std::vector<std::pair<SimTime, Frame>> frames;
   std::vector<CanNodeCounters> counters;

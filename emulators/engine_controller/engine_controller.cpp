@@ -58,7 +58,7 @@ void visit(fields::Visitor& v, EngineControllerSettings& p) {
   visit(v, p.identification);
   v.duration("engine_hours", p.engine_hours, {0, 720'000'000'000'000'000},
              "Hours of the engine when the run begins.");
-  v.duration("power_on", p.power_on, {0, 86'400'000'000'000},
+  v.duration("power_on", p.supply.power_on, {0, 86'400'000'000'000},
              "When the supply comes, from the start of the run.");
   v.duration("processing_delay", p.processing_delay, {0, 5'000'000},
              "Time from an event to its frame.");
@@ -70,16 +70,16 @@ void visit(fields::Visitor& v, EngineControllerSettings& p) {
 
 void validate(const EngineControllerSettings& settings) {
   fields::check(settings);
+  validate(settings.supply);
 }
 
 EngineController::EngineController(const EngineControllerSettings& settings, FrameOutput& output)
     : J1939Device(make_name(settings.name, settings.serial, false), settings.source_address,
-                  kStart + settings.power_on, settings.processing_delay, output),
+                  settings.supply, settings.processing_delay, output),
       settings_(checked(settings)),
       report_(settings_.engine, settings_.engine_hours),
       troubles_(kTroubles),
-      check_(settings_.requires_checksum),
-      next_tick_(kStart + settings_.power_on + kTickOffset) {
+      check_(settings_.requires_checksum) {
   identify_as({settings_.identification, settings_.serial});
 }
 
@@ -88,7 +88,7 @@ std::span<const Entry> EngineController::schedule() {
 }
 
 SamplePlan EngineController::sample_plan() const {
-  return {kStart + settings_.power_on, kTick};
+  return {kStart + settings_.supply.power_on, kTick};
 }
 
 double EngineController::nominal_rate_hz() const {
@@ -117,13 +117,13 @@ std::vector<protocols::can::OwnedMessage> EngineController::messages(std::string
 }
 
 SimTime EngineController::next_event() const {
-  return std::min({node_.next_event(), next_tick_, request_ ? request_->expires : kNever});
+  return std::min({next_node_event(), next_tick_, request_ ? request_->expires : kNever});
 }
 
 void EngineController::advance(SimTime now) {
   while (next_event() <= now) {
     const SimTime instant = next_event();
-    node_.advance(instant);
+    advance_node(instant);
     if (request_ && request_->expires == instant) {
       end_request();
       command_.time = instant;
@@ -139,7 +139,23 @@ void EngineController::advance(SimTime now) {
 void EngineController::update(const PowerUnitSample& sample) {
   advance(sample.time);
   report_.take(sample.time, sample.engine);
-  sample_ = sample;
+  if (supplied()) {
+    sample_ = sample;
+  }
+}
+
+void EngineController::switched(SimTime now) {
+  if (supplied()) {
+    // Behind the first sample from now on.
+    next_tick_ = sample_plan().next_after(now - Duration{1}) + kTickOffset;
+    return;
+  }
+  next_tick_ = kNever;
+  sample_.reset();
+  check_ = TorqueSpeedCheck(settings_.requires_checksum);
+  troubles_.restart();
+  end_request();
+  command_.time = now;
 }
 
 void EngineController::tick(SimTime now) {

@@ -7,7 +7,8 @@
 // after the instant of a sample. A request by TSC1 holds for `request_timeout`; of several nodes
 // the one with the higher priority counts, of equal ones the first, until it is silent. A request
 // whose counter repeats or whose checksum is wrong is ignored and an active trouble code; one
-// without them (all ones) counts unless `requires_checksum`.
+// without them (all ones) counts unless `requires_checksum`. Without supply the engine is the
+// dial's; hours and fuel are of the engine, and go on.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +35,7 @@ struct EngineControllerSettings {
                                         .vehicle_identification_number = "RGWRE0EX000000001"};
   EngineData engine;         ///< What the machine says; no key.
   Duration engine_hours{0};  ///< Of the engine when the run begins.
-  Duration power_on{0};      ///< From the start of the run.
+  SupplySettings supply;
   Duration processing_delay = std::chrono::microseconds{500};  ///< From an event to its frame.
   Duration request_timeout = std::chrono::milliseconds{100};   ///< Of TSC1, sent every 10 ms.
   bool requires_checksum = false;  ///< Requests without counter and checksum are refused.
@@ -82,6 +83,7 @@ class EngineController final : public J1939Device, public PowerUnitBackend {
   J1939Reception take_request(SimTime now, const J1939Message& message);
   void obey(SimTime now, const protocols::vehicle::Tsc1& request);
   void end_request();
+  void switched(SimTime now) override;
   void tick(SimTime now);
   /// False when the group is none of the schedule's.
   bool send_group(SimTime now, std::uint32_t pgn);
@@ -94,7 +96,7 @@ class EngineController final : public J1939Device, public PowerUnitBackend {
   TroubleMemory troubles_;
   TorqueSpeedCheck check_;
   std::uint64_t ticks_ = 0;
-  SimTime next_tick_;
+  SimTime next_tick_ = kNever;
 };
 
 }  // namespace rigwire::emulators

@@ -117,7 +117,7 @@ void visit(fields::Visitor& v, IsoValveSettings& p) {
             "Section of the general-purpose valve, from 1; 0 = none.");
   v.duration("command_timeout", p.command_timeout, {100'000'000, 10'000'000'000},
              "Without a command for this long a valve goes to its fail-safe mode.");
-  v.duration("power_on", p.power_on, {0, fields::kYear_ns},
+  v.duration("power_on", p.supply.power_on, {0, fields::kYear_ns},
              "When the supply comes, from the start of the run.");
   v.duration("processing_delay", p.processing_delay, {0, 4'000'000},
              "Time from an event to its frame.");
@@ -139,6 +139,7 @@ void visit(fields::Visitor& v, IsoValveSettings& p) {
 
 void validate(const IsoValveSettings& settings) {
   fields::check(settings);
+  validate(settings.supply);
   validate(settings.amplifier);
   const auto& names = settings.amplifier.sections;
   const std::size_t last_first = protocols::iso11783::kAuxiliaryValves - names.size();
@@ -167,13 +168,11 @@ IsoValves::IsoValves(const IsoValveSettings& settings, FrameOutput& output)
                              .function = settings.function,
                              .industry_group = kAgriculture},
                             settings.serial, true),
-                  settings.source_address, kStart + settings.power_on, settings.processing_delay,
-                  output),
+                  settings.source_address, settings.supply, settings.processing_delay, output),
       settings_(checked(settings)),
       amplifier_(amplifier_of(settings_)),
       channels_(amplifier_.sections(), IsoValveChannel(settings_.command_timeout)),
-      troubles_(troubles_of(amplifier_.sections())),
-      next_tick_(kStart + settings_.power_on + kTick) {
+      troubles_(troubles_of(amplifier_.sections())) {
   identify_as({settings_.identification, settings_.serial, {{}}});
   const auto& names = settings_.amplifier.sections;
   for (std::size_t axis = 0; axis < kJoystickAxes; ++axis) {
@@ -189,8 +188,23 @@ IsoValves::IsoValves(const IsoValveSettings& settings, FrameOutput& output)
   }
 }
 
+void IsoValves::switched(SimTime now) {
+  next_tick_ = supplied() ? now + kTick : kNever;
+  if (supplied()) {
+    return;
+  }
+  follow_address(now);  // to neutral
+  for (IsoValveChannel& channel : channels_) {
+    channel = IsoValveChannel(settings_.command_timeout);
+    channel.require_neutral();
+  }
+  reset_fault(now);
+  follow_fault();
+  troubles_.restart();
+}
+
 SamplePlan IsoValves::sample_plan() const {
-  return {kStart + settings_.power_on, settings_.sample_period};
+  return {kStart + settings_.supply.power_on, settings_.sample_period};
 }
 
 double IsoValves::nominal_rate_hz() const {
@@ -218,7 +232,7 @@ std::vector<protocols::can::OwnedMessage> IsoValves::messages(std::string_view n
 }
 
 SimTime IsoValves::next_event() const {
-  SimTime next = std::min({node_.next_event(), amplifier_.next_event(), next_tick_});
+  SimTime next = std::min({next_node_event(), amplifier_.next_event(), next_tick_});
   for (const IsoValveChannel& channel : channels_) {
     next = std::min(next, channel.next_event());
   }
@@ -228,7 +242,7 @@ SimTime IsoValves::next_event() const {
 void IsoValves::advance(SimTime now) {
   while (next_event() <= now) {
     const SimTime instant = next_event();
-    node_.advance(instant);
+    advance_node(instant);
     follow_address(instant);
     amplifier_.advance(instant);
     follow_fault();
@@ -291,6 +305,9 @@ void IsoValves::receive(SimTime now, const Frame& frame) {
 
 void IsoValves::update(const ValveSample& sample) {
   advance(sample.time);
+  if (!supplied()) {
+    return;
+  }
   amplifier_.update(sample);
   follow_fault();
 }

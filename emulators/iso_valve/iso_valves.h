@@ -23,6 +23,7 @@
 #include "emulators/iso_valve/channel.h"
 #include "emulators/j1939/identity.h"
 #include "emulators/j1939/j1939_device.h"
+#include "emulators/supply.h"
 #include "emulators/valve_amplifier/amplifier.h"
 #include "emulators/valve_amplifier/settings.h"
 #include "fields/rules.h"
@@ -53,8 +54,8 @@ struct IsoValveSettings {
   IdentificationSettings identification{.model = "valve block", .type = "auxiliary valve control"};
   std::uint8_t first_valve = 0;              ///< Auxiliary valve of section 1; the others follow.
   std::uint8_t general_purpose_section = 0;  ///< Of the general-purpose valve, from 1; 0 = none.
-  Duration command_timeout = std::chrono::milliseconds(300);   ///< 100 ms .. 10 s.
-  Duration power_on{0};                                        ///< From the start of the run.
+  Duration command_timeout = std::chrono::milliseconds(300);  ///< 100 ms .. 10 s.
+  SupplySettings supply;
   Duration processing_delay = std::chrono::microseconds(200);  ///< From an event to its frame.
   Duration sample_period = std::chrono::milliseconds(10);      ///< Transducers, 1 ms .. 1 s.
   double spool_travel_m = 0.007;                               ///< Neutral to full, 1e-4 .. 0.03.
@@ -118,6 +119,7 @@ class IsoValves final : public J1939Device, public ValveBackend {
   void reset_fault(SimTime now);
   /// Gives the amplifier what the channels ask for.
   void drive(SimTime now);
+  void switched(SimTime now) override;
   void tick(SimTime now);
   void send_estimate(SimTime now, std::size_t section);
   void send_measurement(SimTime now, std::size_t section);
@@ -137,7 +139,7 @@ class IsoValves final : public J1939Device, public ValveBackend {
   bool was_held_ = false;
   TroubleMemory troubles_;
   std::uint64_t ticks_ = 0;
-  SimTime next_tick_;
+  SimTime next_tick_ = kNever;
 };
 
 }  // namespace rigwire::emulators

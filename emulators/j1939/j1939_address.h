@@ -47,6 +47,9 @@ class J1939Address {
   /// Forgets whom it has heard; claims `preferred` at `first_claim` (kNever: switched off).
   void restart(std::uint8_t preferred, SimTime first_claim);
 
+  /// Of one that is switched off: claims its address then, beside what it has heard of others.
+  void claim_at(SimTime first_claim) { next_ = first_claim; }
+
   void advance(SimTime now);
   /// The next claim, the end of the silence after one, or the next "cannot claim".
   [[nodiscard]] SimTime next_event() const { return next_; }

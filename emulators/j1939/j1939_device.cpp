@@ -10,18 +10,34 @@ namespace iso = protocols::iso11783;
 namespace vehicle = protocols::vehicle;
 
 J1939Device::J1939Device(const protocols::j1939::Name& name, std::uint8_t preferred,
-                         SimTime power_on, Duration delay, FrameOutput& output)
+                         const SupplySettings& supply, Duration delay, FrameOutput& output)
     : node_({.address = {.preferred = preferred,
                          .name = pack(name),
                          .arbitrary_address = name.arbitrary_address,
-                         .first_claim = power_on,
+                         .first_claim = kNever,
                          .answer_delay = delay},
              .transport = {}},
-            *this, output) {}
+            *this, output),
+      supply_(supply) {}
+
+void J1939Device::advance_node(SimTime now) {
+  while (next_node_event() <= now) {
+    const SimTime instant = next_node_event();
+    node_.advance(instant);
+    if (supply_.next_change() == instant) {
+      supply_.change();
+      supply_lost_ = !supply_.on();
+      node_.power(instant, supply_.on());
+      switched(instant);
+    }
+  }
+}
 
 void J1939Device::receive(SimTime now, const protocols::can::Frame& frame) {
   advance(now);
-  node_.receive(now, frame);
+  if (!supply_lost_) {
+    node_.receive(now, frame);
+  }
 }
 
 J1939Answer J1939Device::answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) {

@@ -1,9 +1,11 @@
-// A device that is one node of a J1939 bus: what is the same for all of them. Its node; that it
+// A device that is one node of a J1939 bus: what is the same for all of them. Its node and its
+// supply: before that first comes the node only listens, when it is lost it does not even that. It
 // says who it is when it is asked, by software, component, ECU and vehicle identification, on an
-// ISO 11783 bus by its functionalities; that its trouble codes are asked for and cleared
+// ISO 11783 bus by its functionalities; its trouble codes are asked for and cleared
 // (trouble_memory.h). Answers longer than a frame go by transport, to the one who asked.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "emulators/j1939/identity.h"
 #include "emulators/j1939/j1939_node.h"
 #include "emulators/j1939/trouble_memory.h"
+#include "emulators/supply.h"
 #include "protocols/iso11783/functionalities.h"
 
 namespace rigwire::emulators {
@@ -28,6 +31,7 @@ class J1939Device : public CanDevice, J1939Application {
   [[nodiscard]] bool address_held() const { return node_.held(); }
   [[nodiscard]] std::uint64_t name() const { return node_.name(); }
   [[nodiscard]] std::uint64_t address_conflicts() const { return node_.address_conflicts(); }
+  [[nodiscard]] Supply& supply() { return supply_; }
 
  protected:
   /// What a request for identification is answered with. Without functionalities that group is not
@@ -38,10 +42,18 @@ class J1939Device : public CanDevice, J1939Application {
     std::vector<protocols::iso11783::SupportedFunctionality> functionalities{};
   };
 
-  /// Claims its preferred address at `power_on`; what it sends is due `delay` after its cause.
-  /// `output` must outlive the device.
-  J1939Device(const protocols::j1939::Name& name, std::uint8_t preferred, SimTime power_on,
-              Duration delay, FrameOutput& output);
+  /// Claims its preferred address whenever the supply comes; what it sends is due `delay` after its
+  /// cause. `output` must outlive the device.
+  J1939Device(const protocols::j1939::Name& name, std::uint8_t preferred,
+              const SupplySettings& supply, Duration delay, FrameOutput& output);
+  /// Of node and supply; for the device's own next_event() and advance().
+  [[nodiscard]] SimTime next_node_event() const {
+    return std::min(node_.next_event(), supply_.next_change());
+  }
+  void advance_node(SimTime now);
+  [[nodiscard]] bool supplied() const { return supply_.on(); }
+  /// The supply came or went at `now`: what the device was in the middle of is gone.
+  virtual void switched(SimTime /*now*/) {}
   void identify_as(const Identity& identity) { identity_ = identity; }
 
   /// A request for a group that is none of the above (J1939Application::answer).
@@ -57,6 +69,8 @@ class J1939Device : public CanDevice, J1939Application {
   J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) final;
   J1939Answer answer_identification(SimTime now, std::uint32_t pgn, std::uint8_t destination);
 
+  Supply supply_;
+  bool supply_lost_ = false;
   std::optional<Identity> identity_;
 };
 

@@ -37,6 +37,15 @@ void J1939Node::advance(SimTime now) {
   }
 }
 
+void J1939Node::power(SimTime now, bool on) {
+  if (on) {
+    address_.claim_at(now);
+  } else {
+    address_.restart(settings_.address.preferred, kNever);
+    follow_address();
+  }
+}
+
 void J1939Node::follow_address() {
   const std::uint8_t address = held() ? address_.address() : j1939::kNullAddress;
   if (address != transport_address_) {

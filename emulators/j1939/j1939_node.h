@@ -61,6 +61,9 @@ class J1939Node final : J1939TransportSink {
   void advance(SimTime now);
   [[nodiscard]] SimTime next_event() const;
 
+  /// The supply comes, and the node claims its preferred address, or goes, and it has none.
+  void power(SimTime now, bool on);
+
   /// Any frame of the bus, complete at `now`; counted once in received(). The caller has advanced
   /// itself and the node to `now`.
   void receive(SimTime now, const protocols::can::Frame& frame);

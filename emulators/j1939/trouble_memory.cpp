@@ -32,6 +32,12 @@ TroubleMemory::Codes TroubleMemory::select(bool active) const {
   return codes;
 }
 
+void TroubleMemory::restart() {
+  for (std::size_t kind = 0; kind < entries_.size(); ++kind) {
+    set(kind, false);
+  }
+}
+
 void TroubleMemory::clear_active() {
   for (Entry& entry : entries_) {
     entry.occurrences = entry.active ? std::uint8_t{1} : entry.occurrences;

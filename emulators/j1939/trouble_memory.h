@@ -51,6 +51,8 @@ class TroubleMemory {
   [[nodiscard]] Codes active() const { return select(true); }
   /// Those that were and are no longer.
   [[nodiscard]] Codes previous() const { return select(false); }
+  /// As at power-up: what was active was.
+  void restart();
   void clear_active();
   void clear_previous();
 

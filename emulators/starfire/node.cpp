@@ -24,7 +24,7 @@ constexpr std::array kQuantities{
 StarFireNode::StarFireNode(const StarFireSettings& settings, const Calendar& calendar,
                            FrameOutput& output)
     : J1939Device(make_name(settings.name, settings.serial, false), settings.source_address,
-                  kStart + settings.power_on, Duration{0}, output),
+                  {.power_on = settings.power_on, .faults = {}}, Duration{0}, output),
       settings_(checked(settings)),
       plan_{
           calendar.align_to_gps(kStart + settings_.power_on + settings_.start_up, kStarFirePeriod),
@@ -40,13 +40,13 @@ std::span<const Quantity> StarFireNode::quantities() const {
 }
 
 SimTime StarFireNode::next_event() const {
-  return std::min(node_.next_event(), publish_at_);
+  return std::min(next_node_event(), publish_at_);
 }
 
 void StarFireNode::advance(SimTime now) {
   while (next_event() <= now) {
     const SimTime instant = next_event();
-    node_.advance(instant);
+    advance_node(instant);
     if (publish_at_ == instant) {
       publish_at_ = kNever;
       if (node_.held()) {

@@ -410,6 +410,19 @@ void VehicleControl::lose_supply(SimTime now) {
   compose(now);
 }
 
+void VehicleControl::fail(SimTime now) {
+  VehicleControl fresh(settings_);
+  fresh.troubles_ = troubles_;
+  fresh.troubles_.restart();
+  fresh.asked_.front_steer_rad = asked_.front_steer_rad;
+  fresh.asked_.rear_steer_rad = asked_.rear_steer_rad;
+  fresh.command_ = command_;
+  fresh.drives_ = drives_;
+  fresh.key_off_ = key_off_;
+  *this = fresh;
+  compose(now);
+}
+
 void VehicleControl::steer() {
   // Reference point: rear axle for front steering, half-way between the axles otherwise. With
   // tan(front) = t + d and tan(rear) = t - d the reference point moves at the angle atan(t) with

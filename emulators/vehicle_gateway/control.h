@@ -70,6 +70,10 @@ class VehicleControl {
   /// The supply ends: what is held by springs engages.
   void lose_supply(SimTime now);
 
+  /// The supply fails: nobody is in force, the engine idles, steering stays where it is, and what
+  /// is held by springs engages. So it is when the supply comes back.
+  void fail(SimTime now);
+
   /// The machine's speed at `now`, for parking after a stop; NaN when it is not known. `drives`:
   /// whether it is one that travels at all.
   void observe(SimTime now, double speed_mps, bool drives);

@@ -88,6 +88,8 @@ class VehicleReport {
 
   /// Takes a sample, and adds up distances, the engine's hours and its revolutions.
   void take(const VehicleSample& sample);
+  /// Until the next sample nothing is known; sums stay.
+  void forget() { sample_.reset(); }
   [[nodiscard]] double distance_m() const { return distance_m_; }
   /// Speed of the machine as its odometry has it; NaN when it is not known at `now`.
   [[nodiscard]] double speed_mps(SimTime now) const;

@@ -57,7 +57,7 @@ void visit(fields::Visitor& v, VehicleGatewaySettings& p) {
   visit(v, p.name);
   v.boolean("arbitrary_address", p.arbitrary_address,
             "Takes another address when it loses its own; else it falls silent.");
-  v.duration("power_on", p.power_on, {0, 86'400'000'000'000},
+  v.duration("power_on", p.supply.power_on, {0, 86'400'000'000'000},
              "When the supply comes, from the start of the run.");
   v.duration("sensor_start_up", p.sensor_start_up, {0, 3'600'000'000'000},
              "From power-on to the first reading; not available until then.");
@@ -111,6 +111,7 @@ void visit(fields::Visitor& v, VehicleGatewaySettings& p) {
 
 void validate(const VehicleGatewaySettings& settings) {
   fields::check(settings);
+  validate(settings.supply);
   if (settings.maximum_tyre_pressure_pa < settings.minimum_tyre_pressure_pa) {
     throw std::invalid_argument("vehicle gateway: maximum_tyre_pressure is " +
                                 fields::in("kPa").print(settings.maximum_tyre_pressure_pa) +

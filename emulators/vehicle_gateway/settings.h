@@ -6,6 +6,7 @@
 #include <string>
 
 #include "emulators/j1939/identity.h"
+#include "emulators/supply.h"
 #include "sim/samples/engine_sample.h"
 #include "sim/samples/time.h"
 #include "sim/samples/vehicle_sample.h"
@@ -41,7 +42,7 @@ struct VehicleGatewaySettings {
   std::uint32_t serial = 1;            ///< 1 .. 2097151; identity in the NAME, unique on a bus.
   J1939NameSettings name{.function = kTractorEcu, .industry_group = kAgriculture};
   bool arbitrary_address = false;  ///< Takes another address when it loses its own.
-  Duration power_on{0};            ///< From the start of the run to the claim.
+  SupplySettings supply;           ///< When it comes it claims its address.
   Duration sensor_start_up = std::chrono::milliseconds{200};   ///< From there to the first sample.
   Duration processing_delay = std::chrono::microseconds{500};  ///< From an event to the frame; 0
                                                                ///< .. 5 ms.

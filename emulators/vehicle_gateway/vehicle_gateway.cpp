@@ -116,18 +116,16 @@ std::optional<protocols::can::Frame> VehicleSatellites::frame(SimTime now, std::
 
 VehicleGateway::VehicleGateway(const VehicleGatewaySettings& settings, FrameOutput& output)
     : J1939Device(make_name(settings.name, settings.serial, settings.arbitrary_address),
-                  settings.source_address, kStart + settings.power_on, settings.processing_delay,
-                  output),
+                  settings.source_address, settings.supply, settings.processing_delay, output),
       settings_(checked(settings)),
       control_(settings),
       report_(settings),
-      language_(make_language(settings)),
-      next_tick_(kStart + settings.power_on + kTickOffset) {
+      language_(make_language(settings)) {
   identify_as({settings_.identification, settings_.serial, {{}, tractor()}});
 }
 
 SamplePlan VehicleGateway::sample_plan() const {
-  return {kStart + settings_.power_on + settings_.sensor_start_up, kTick};
+  return {kStart + settings_.supply.power_on + settings_.sensor_start_up, kTick};
 }
 
 std::span<const Quantity> VehicleGateway::quantities() const {
@@ -178,7 +176,7 @@ std::vector<OwnedMessage> VehicleGateway::messages(std::string_view name) const 
 
 SimTime VehicleGateway::next_event() const {
   return unsupplied_ ? kNever
-                     : std::min({node_.next_event(), control_.next_event(), next_tick_,
+                     : std::min({next_node_event(), control_.next_event(), next_tick_,
                                  next_power_change()});
 }
 
@@ -200,7 +198,7 @@ void VehicleGateway::change_power(SimTime now) {
 void VehicleGateway::advance(SimTime now) {
   while (next_event() <= now) {
     const SimTime instant = next_event();
-    node_.advance(instant);
+    advance_node(instant);
     control_.advance(instant);
     if (next_tick_ == instant) {
       next_tick_ += kTick;
@@ -214,7 +212,7 @@ void VehicleGateway::advance(SimTime now) {
 
 void VehicleGateway::update(const VehicleSample& sample) {
   advance(sample.time);
-  if (unsupplied_) {
+  if (unsupplied_ || !supplied() || sample.time < sensors_from_) {
     return;
   }
   report_.take(sample);
@@ -224,7 +222,25 @@ void VehicleGateway::update(const VehicleSample& sample) {
 void VehicleGateway::receive(SimTime now, const Frame& frame) {
   advance(now);
   if (!unsupplied_) {
-    node_.receive(now, frame);
+    J1939Device::receive(now, frame);
+  }
+}
+
+void VehicleGateway::switched(SimTime now) {
+  if (!supplied()) {
+    next_tick_ = kNever;
+    report_.forget();
+    satellites_ = {};
+    check_ = TorqueSpeedCheck{false};
+    language_ = make_language(settings_);
+    control_.fail(now);
+    return;
+  }
+  // Ticks are behind samples.
+  const SamplePlan grid{kStart + settings_.supply.power_on, kTick};
+  next_tick_ = grid.next_after(now - Duration{1}) + kTickOffset;
+  if (now > grid.first) {
+    sensors_from_ = now + settings_.sensor_start_up;  // the plan knows of the first time
   }
 }
 

@@ -85,6 +85,7 @@ class VehicleGateway final : public J1939Device, public VehicleBackend {
   /// False when the group is none that is sent in frames.
   bool send_group(SimTime now, std::uint32_t pgn);
   void send_due(SimTime now, std::span<const VehicleReport::Entry> schedule);
+  void switched(SimTime now) override;
   void tick(SimTime now);
   [[nodiscard]] SimTime next_power_change() const;
   void change_power(SimTime now);
@@ -108,7 +109,8 @@ class VehicleGateway final : public J1939Device, public VehicleBackend {
   bool key_off_ = false;
   bool unsupplied_ = false;
   std::uint64_t ticks_ = 0;
-  SimTime next_tick_;
+  SimTime next_tick_ = kNever;
+  SimTime sensors_from_ = kStart;
 };
 
 }  // namespace rigwire::emulators

@@ -36,7 +36,7 @@ emulators::EngineControllerSettings settings_on(emulators::EngineControllerSetti
 struct EngineControllerConfiguration final : DeviceConfigurationOf<EngineControllerConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::vector<NodeFault<PowerUnitSample>> faults;
+  std::vector<NodeFault<PowerUnitSample, emulators::SupplyFault>> faults;
   emulators::EngineControllerSettings engine;
 
   void visit(fields::Visitor& v) override {
@@ -94,7 +94,7 @@ struct EngineControllerConfiguration final : DeviceConfigurationOf<EngineControl
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
     auto device = std::make_unique<EngineControllerDevice>(
         site, bus, clock, node_faults<PowerUnitSample>(faults),
-        settings_on(engine, site.world().machine().power_unit_port()));
+        with_supply_faults(settings_on(engine, site.world().machine().power_unit_port()), faults));
     site.world().add(
         make_world_power_unit(device->enlist(site.executive()), site.world().machine()));
     return device;

@@ -36,7 +36,7 @@ class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, emulators
 struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::vector<NodeFault<ValveSample, emulators::ValveDefect>> faults;
+  std::vector<NodeFault<ValveSample, emulators::SupplyFault, emulators::ValveDefect>> faults;
   emulators::IsoValveSettings valves;
 
   void visit(fields::Visitor& v) override {
@@ -100,7 +100,7 @@ struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfigurati
   }
 
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
-    emulators::IsoValveSettings settings = valves;
+    emulators::IsoValveSettings settings = with_supply_faults(valves, faults);
     settings.amplifier.defects = those_of<emulators::ValveDefect>(faults);
     auto device = std::make_unique<IsoValvesDevice>(site, bus, clock,
                                                     node_faults<ValveSample>(faults), settings);

@@ -70,7 +70,7 @@ class VehicleGatewayDevice final
 struct VehicleGatewayConfiguration final : DeviceConfigurationOf<VehicleGatewayConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::vector<NodeFault<VehicleSample>> faults;
+  std::vector<NodeFault<VehicleSample, emulators::SupplyFault>> faults;
   std::string position_from;  ///< Name of the satellite receiver wired to it; empty: none.
   emulators::VehicleGatewaySettings gateway;
   sim::VehicleSensorParameters sensor;
@@ -148,7 +148,8 @@ struct VehicleGatewayConfiguration final : DeviceConfigurationOf<VehicleGatewayC
 
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
     auto device = std::make_unique<VehicleGatewayDevice>(
-        site, bus, clock, node_faults<VehicleSample>(faults), settings(), position_from);
+        site, bus, clock, node_faults<VehicleSample>(faults),
+        with_supply_faults(settings(), faults), position_from);
     site.world().add(
         make_world_vehicle(device->enlist(site.executive()), site.world().machine(),
                            sim::VehicleSensors(sensor, odometry, site.seed(), site.name())));

@@ -13,6 +13,7 @@
 #include "protocols/j1939/transport.h"
 #include "protocols/vehicle/condition.h"
 #include "protocols/vehicle/engine_configuration.h"
+#include "protocols/vehicle/identification.h"
 #include "protocols/vehicle/machine.h"
 #include "recorder.h"
 
@@ -172,6 +173,33 @@ TEST_F(EngineControllerTest, ObeysASpeedRequestAndLetsGoWithoutIt) {
   run(2s);
   EXPECT_EQ(troubles().count, 1U);
   EXPECT_EQ(troubles().codes[0].failure_mode, 9);
+}
+
+/// And the code of a request that was lost is one that was.
+TEST_F(EngineControllerTest, WithoutSupplyItIsSilentAndTheEngineIsTheDials) {
+  ask(speed(1200));
+  const SimTime cut = now_ + 15ms;
+  engine_.supply().begin({{cut - kStart, 500ms}, NoSupplyFault{}});
+  run(100ms);
+  EXPECT_EQ(engine_.command(), PowerUnitCommand{});
+  bus_.frames.clear();
+  ask(speed(1300));
+  engine_.receive(now_, j1939::make_request(kField, j1939::kGlobalAddress,
+                                            vehicle::kSoftwareIdentificationPgn));
+  run(300ms);
+  EXPECT_TRUE(bus_.frames.empty());
+  EXPECT_EQ(engine_.command(), PowerUnitCommand{}) << "it has heard nothing";
+  run(1s);
+  ASSERT_FALSE(bus_.frames.empty());
+  EXPECT_EQ(j1939::identify(bus_.frames.front().second)->pgn, j1939::kAddressClaimedPgn);
+  EXPECT_GE(bus_.frames.front().first, cut + 500ms);
+  EXPECT_NEAR(latest<vehicle::Eec1>().speed_radps, 1900 * kRpm, 0.07 * kRpm);
+  // Half a millisecond behind the samples, as ever.
+  for (const SimTime due : bus_.times(61444)) {
+    EXPECT_EQ((due - kStart) % 10ms, 1ms);
+  }
+  ask(speed(1300));
+  EXPECT_NEAR(asked_rpm(), 1300.0, 0.1);
 }
 
 TEST_F(EngineControllerTest, HigherPriorityCounts) {

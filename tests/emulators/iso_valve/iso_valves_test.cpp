@@ -61,6 +61,28 @@ TEST_F(IsoValvesTest, ClaimsItsAddressBeforeItSaysAnything) {
   EXPECT_TRUE(valves_.address_held());
 }
 
+TEST_F(IsoValvesTest, WithoutSupplySpoolsAreNeutralAndMoveAgainOnlyAfterNeutral) {
+  command(400ms, 1, 0.5);
+  EXPECT_GT(opening(1), 0.4);
+  valves_.supply().begin({{450ms, 500ms}, NoSupplyFault{}});
+  valves_.advance(at(460ms));
+  EXPECT_EQ(opening(1), 0.0);
+  output_.frames.clear();
+  command(500ms, 1, 0.5);
+  valves_.advance(at(949ms));
+  EXPECT_TRUE(output_.frames.empty());
+  EXPECT_EQ(opening(1), 0.0);
+  valves_.advance(at(1300ms));
+  ASSERT_FALSE(output_.frames.empty());
+  EXPECT_EQ(j1939::identify(output_.frames.front().second)->pgn, j1939::kAddressClaimedPgn);
+  EXPECT_TRUE(valves_.address_held());
+  command(1310ms, 1, 0.5);
+  EXPECT_EQ(opening(1), 0.0) << "it moves before it was told neutral";
+  command(1320ms, 1, 0.0);
+  command(1330ms, 1, 0.5);
+  EXPECT_GT(opening(1), 0.4);
+}
+
 /// A client that asks the block alone and takes its answer by transport.
 class AskedIsoValves : public IsoValvesTest {
  protected:

@@ -84,7 +84,7 @@ TEST(VehicleAddress, ArbitraryAddressMovesAndWaitsAQuarterOfASecond) {
 
 TEST(VehicleAddress, AvoidsWhatALowerNameHeldBeforeItsOwnFirstClaim) {
   VehicleGatewaySettings settings = with_address(0x00, true);
-  settings.power_on = 100ms;
+  settings.supply.power_on = 100ms;
   VehicleRig rig(settings);
   rig.receive(j1939::make_address_claim(0x00, 1));
   rig.run(500ms);

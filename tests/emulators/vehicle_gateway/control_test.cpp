@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <utility>
 
+#include "protocols/j1939/message.h"
 #include "protocols/j1939/transport.h"
 #include "requests.h"
 #include "rig.h"
@@ -501,6 +503,37 @@ TEST(VehiclePower, KeyOffStopsTheMachineAndPowerLastsAsLongAsImplementsAsk) {
   EXPECT_LE(last, kStart + 12s + 10ms);
   EXPECT_GE(last, kStart + 11900ms);
   EXPECT_TRUE(rig.command().parking_brake);
+}
+
+/// Unlike at the key nobody is asked: what is held by springs engages at once.
+TEST(VehiclePower, WithoutSupplyItBrakesAndIsSilentAndClaimsAgain) {
+  VehicleGatewaySettings settings;
+  settings.sensor_start_up = 100ms;
+  VehicleRig rig(settings);
+  rig.run(500ms);
+  rig.ask(torque(0.5));
+  rig.run(10ms);
+  EXPECT_EQ(rig.command().engine_torque_share, 0.5);
+  rig.gateway.supply().begin({{515ms, 500ms}, NoSupplyFault{}});
+  rig.run(10ms);
+  EXPECT_EQ(rig.command().engine_torque_share, 0.0);
+  EXPECT_TRUE(rig.command().parking_brake);
+  EXPECT_EQ(rig.command().time, kStart + 515ms);
+  rig.output.frames.clear();
+  rig.ask(torque(0.5));
+  rig.run(480ms);
+  EXPECT_TRUE(rig.output.frames.empty());
+  EXPECT_EQ(rig.command().engine_torque_share, 0.0);
+  rig.run(100ms);
+  ASSERT_FALSE(rig.output.frames.empty());
+  EXPECT_EQ(protocols::j1939::identify(rig.output.frames.front().second)->pgn,
+            protocols::j1939::kAddressClaimedPgn);
+  EXPECT_TRUE(std::isnan(rig.output.latest<vehicle::Eec1>().speed_radps)) << "sensors start, too";
+  rig.run(500ms);
+  EXPECT_FALSE(std::isnan(rig.output.latest<vehicle::Eec1>().speed_radps));
+  EXPECT_EQ(rig.gateway.control().troubles().active().count, 0U);
+  rig.ask(torque(0.25));
+  EXPECT_EQ(rig.command().engine_torque_share, 0.25);
 }
 
 TEST(VehiclePower, NobodyAskingItLastsTwoSeconds) {

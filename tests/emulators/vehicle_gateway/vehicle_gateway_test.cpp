@@ -25,7 +25,7 @@ namespace vehicle = protocols::vehicle;
 
 TEST(VehicleGateway, ClaimsBeforeItSaysAnythingElse) {
   VehicleGatewaySettings settings;
-  settings.power_on = 100ms;
+  settings.supply.power_on = 100ms;
   settings.serial = 0x12345;
   VehicleRig rig(settings);
   rig.run(200ms);
@@ -297,7 +297,7 @@ TEST(VehicleGatewaySettings, RefusedWithTheValueFound) {
   refused([](auto& s) { s.source_address = 254; }, "source_address: found 254, allowed 0 .. 253");
   refused([](auto& s) { s.serial = 0; }, "serial: found 0");
   refused([](auto& s) { s.name.manufacturer = 2048; }, "manufacturer");
-  refused([](auto& s) { s.power_on = -1ns; }, "power_on");
+  refused([](auto& s) { s.supply.power_on = -1ns; }, "power_on");
   refused([](auto& s) { s.processing_delay = 6ms; }, "processing_delay");
   refused([](auto& s) { s.gears_forward = 126; }, "gears_forward");
   refused([](auto& s) { s.gears_reverse = -1; }, "gears_reverse");

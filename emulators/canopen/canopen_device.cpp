@@ -51,9 +51,18 @@ void CanopenDevice::advance(SimTime now) {
   node_.advance(now);
 }
 
+std::string_view CanopenDevice::configure(SimTime now, canopen::ObjectAddress address,
+                                          std::int64_t value) {
+  advance(now);
+  const std::string_view why = node_.configure(now, address, value);
+  written(now);
+  return why;
+}
+
 void CanopenDevice::receive(SimTime now, const protocols::can::Frame& frame) {
   advance(now);
   node_.receive(now, frame);
+  written(now);
 }
 
 std::vector<protocols::can::OwnedMessage> sent_by(

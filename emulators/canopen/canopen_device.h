@@ -2,6 +2,7 @@
 // supply, and what it is at delivery; the profile says what it measures (CanopenProfile).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -10,8 +11,10 @@
 
 #include "emulators/canopen/canopen_node.h"
 #include "emulators/device.h"
+#include "emulators/live_setting.h"
 #include "emulators/supply.h"
 #include "fields/rules.h"
+#include "protocols/canopen/communication_objects.h"
 #include "protocols/canopen/object_entry.h"
 
 namespace rigwire::emulators {
@@ -39,7 +42,11 @@ class CanopenDevice : public CanDevice, protected CanopenProfile {
   [[nodiscard]] SamplePlan sample_plan() const final { return plan_; }
   [[nodiscard]] ReceiveCounters received() const final { return node_.received(); }
   [[nodiscard]] double nominal_rate_hz() const final { return node_.nominal_rate_hz(); }
-  void receive(SimTime now, const protocols::can::Frame& frame) override;
+  void receive(SimTime now, const protocols::can::Frame& frame) final;
+
+  /// As an SDO would write an object of the dictionary. Why it is not taken; empty: it is.
+  [[nodiscard]] std::string_view configure(SimTime now, protocols::canopen::ObjectAddress address,
+                                           std::int64_t value);
 
   [[nodiscard]] const CanopenNode& node() const { return node_; }
   [[nodiscard]] Supply& supply() { return supply_; }
@@ -54,6 +61,8 @@ class CanopenDevice : public CanDevice, protected CanopenProfile {
   void deliver(const CanopenDeviceSettings& settings, std::uint32_t device_type,
                std::uint32_t product, const std::string& file, const std::string& description,
                const std::string& vendor_name);
+  /// The dictionary may hold something else.
+  virtual void written(SimTime /*now*/) {}
   /// The supply came or went at `now`.
   virtual void switched(SimTime now) = 0;
 
@@ -64,6 +73,28 @@ class CanopenDevice : public CanDevice, protected CanopenProfile {
   Supply supply_;
   SamplePlan plan_;
 };
+
+/// What every CANopen device can be told while it runs.
+template <class Device, class Settings>
+inline constexpr std::array<LiveSetting<Device, Settings>, 3> kCanopenLiveSettings{{
+    {"transmission_type", "SDO, object 1800:2",
+     [](Device& device, SimTime now, const Settings& wanted) {
+       return device.configure(
+           now, {protocols::canopen::object::kTransmitPdo, protocols::canopen::kPdoType},
+           wanted.transmission_type);
+     }},
+    {"event_timer", "SDO, object 1800:5",
+     [](Device& device, SimTime now, const Settings& wanted) {
+       return device.configure(
+           now, {protocols::canopen::object::kTransmitPdo, protocols::canopen::kPdoEventTimer_ms},
+           wanted.event_timer_ms);
+     }},
+    {"heartbeat", "SDO, object 1017",
+     [](Device& device, SimTime now, const Settings& wanted) {
+       return device.configure(now, protocols::canopen::object::kHeartbeatTime,
+                               wanted.heartbeat_ms);
+     }},
+}};
 
 /// The profile's messages as device `name` sends them: heartbeats by time, and TPDO1 where `timed`.
 [[nodiscard]] std::vector<protocols::can::OwnedMessage> sent_by(

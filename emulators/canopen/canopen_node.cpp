@@ -471,6 +471,17 @@ Refusal CanopenNode::write(SimTime now, ObjectAddress address, std::span<const s
   return std::nullopt;
 }
 
+std::string_view CanopenNode::configure(SimTime now, ObjectAddress address, std::int64_t value) {
+  if (!powered_ || boot_ != kNever || state_ == NodeState::stopped) {
+    return "it has no supply, boots or is stopped";
+  }
+  const canopen::DataType type = dictionary_.find(address)->type;
+  std::array<std::uint8_t, 4> bytes{};
+  const std::span<std::uint8_t> written = std::span(bytes).first(canopen::size_of(type));
+  canopen::store(type, written, value);
+  return write(now, address, written, true) ? "it aborts the SDO" : "";
+}
+
 Refusal CanopenNode::command(ObjectAddress address, std::int64_t value) {
   const bool save = address.index == object::kStore;
   if (value != (save ? canopen::kSaveSignature : canopen::kLoadSignature)) {

@@ -77,6 +77,9 @@ class CanopenNode final : private SdoObjects, private LssNode {
   void receive(SimTime now, const protocols::can::Frame& frame);
   /// A mappable object may have another value now.
   void changed(SimTime now);
+  /// As an SDO would write it. Why it is not taken; empty: it is.
+  [[nodiscard]] std::string_view configure(SimTime now, protocols::canopen::ObjectAddress address,
+                                           std::int64_t value);
   /// A new error (code other than 0) or none any more.
   void report_error(SimTime now, std::uint16_t code, std::uint8_t error_register);
 

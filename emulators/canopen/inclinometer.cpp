@@ -79,6 +79,30 @@ std::vector<protocols::can::OwnedMessage> Inclinometer::messages(std::string_vie
                  canopen::inclinometer_layouts(settings_.node.node_id, settings_.resolution_mdeg));
 }
 
+std::span<const LiveSetting<Inclinometer, InclinometerSettings>> Inclinometer::live_settings() {
+  using Row = LiveSetting<Inclinometer, InclinometerSettings>;
+  using Settings = InclinometerSettings;
+  static constexpr auto& kOfAll = kCanopenLiveSettings<Inclinometer, Settings>;
+  static constexpr std::array<Row, 6> kRows{{
+      kOfAll[0],
+      kOfAll[1],
+      kOfAll[2],
+      {"resolution", "SDO, object 6000",
+       [](Inclinometer& device, SimTime now, const Settings& wanted) {
+         return device.configure(now, object::kSlopeResolution, wanted.resolution_mdeg);
+       }},
+      {"filter", "SDO, object 2043",
+       [](Inclinometer& device, SimTime now, const Settings& wanted) {
+         return device.configure(now, object::kFilterStep, wanted.filter_step);
+       }},
+      {"quadrants", "SDO, object 2040",
+       [](Inclinometer& device, SimTime now, const Settings& wanted) {
+         return device.configure(now, object::kQuadrantCorrection, wanted.quadrants);
+       }},
+  }};
+  return kRows;
+}
+
 void Inclinometer::switched(SimTime /*now*/) {
   settled_ = false;
   up_ = {0.0, 0.0, 1.0};

@@ -62,6 +62,8 @@ class Inclinometer final : public CanopenDevice, public ImuBackend {
                FrameOutput& output);
 
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
+  [[nodiscard]] static std::span<const LiveSetting<Inclinometer, InclinometerSettings>>
+  live_settings();
   [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   /// The angular rate and the magnetic field are not used.

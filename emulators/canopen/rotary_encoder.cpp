@@ -78,8 +78,7 @@ void RotaryEncoder::advance(SimTime now) {
   now_ = now;
 }
 
-void RotaryEncoder::receive(SimTime now, const protocols::can::Frame& frame) {
-  CanopenDevice::receive(now, frame);
+void RotaryEncoder::written(SimTime now) {
   evaluate();
   node_.changed(now);
 }
@@ -99,6 +98,25 @@ void RotaryEncoder::update(const EncoderSample& sample) {
     node_.report_error(sample.time, faulty ? kHardwareError : 0, faulty ? kGenericError : 0);
   }
   node_.changed(sample.time);
+}
+
+std::span<const LiveSetting<RotaryEncoder, RotaryEncoderSettings>> RotaryEncoder::live_settings() {
+  using Row = LiveSetting<RotaryEncoder, RotaryEncoderSettings>;
+  static constexpr auto& kOfAll = kCanopenLiveSettings<RotaryEncoder, RotaryEncoderSettings>;
+  static constexpr std::array<Row, 4> kRows{{
+      kOfAll[0],
+      kOfAll[1],
+      kOfAll[2],
+      {"direction", "SDO, object 6000",
+       [](RotaryEncoder& encoder, SimTime now, const RotaryEncoderSettings& wanted) {
+         const std::int64_t present = encoder.dictionary_.value(object::kOperatingParameters);
+         const std::int64_t others = present & ~EncoderOperation::kCounterClockwise;
+         return encoder.configure(
+             now, object::kOperatingParameters,
+             others | (wanted.counter_clockwise ? EncoderOperation::kCounterClockwise : 0));
+       }},
+  }};
+  return kRows;
 }
 
 RotaryEncoder::Scale RotaryEncoder::scale() const {

@@ -50,10 +50,12 @@ class RotaryEncoder final : public CanopenDevice, public EncoderBackend {
 
   void advance(SimTime now) override;
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
-  void receive(SimTime now, const protocols::can::Frame& frame) override;
   [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   void update(const EncoderSample& sample) override;
+
+  [[nodiscard]] static std::span<const LiveSetting<RotaryEncoder, RotaryEncoderSettings>>
+  live_settings();
 
   /// As 6004 says it at present.
   [[nodiscard]] std::uint32_t position() const { return position_; }
@@ -65,6 +67,7 @@ class RotaryEncoder final : public CanopenDevice, public EncoderBackend {
   [[nodiscard]] std::optional<protocols::canopen::SdoAbort> write(
       protocols::canopen::ObjectAddress address, std::int64_t value) override;
 
+  void written(SimTime now) override;
   void switched(SimTime now) override;
   [[nodiscard]] std::int64_t steps() const { return std::int64_t{1} << settings_.resolution_bits; }
   /// Measuring units before the offset, and of the whole range, with these operating parameters.

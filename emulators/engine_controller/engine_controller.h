@@ -60,6 +60,11 @@ class EngineController final : public J1939Device, public PowerUnitBackend {
   /// `output` must outlive the device. Throws like validate(settings).
   EngineController(const EngineControllerSettings& settings, FrameOutput& output);
 
+  [[nodiscard]] static std::span<const LiveSetting<EngineController, EngineControllerSettings>>
+  live_settings() {
+    return kJ1939LiveSettings<EngineController, EngineControllerSettings>;
+  }
+
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override;
   [[nodiscard]] SamplePlan sample_plan() const override;

@@ -36,6 +36,7 @@
 #include "emulators/gige_camera/gige_camera_settings.h"
 #include "emulators/gige_camera/register_bank.h"
 #include "emulators/gige_camera/stream_channel.h"
+#include "emulators/live_setting.h"
 #include "emulators/nonvolatile_memory.h"
 #include "emulators/random_bits.h"
 
@@ -79,6 +80,12 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   [[nodiscard]] std::uint32_t address_changes() const { return address_changes_; }
   /// Where it could be put after all.
   void set_address(const CameraAddress& address);
+
+  /// Writes a register as the application in control would. Why it is refused; empty: it is not.
+  [[nodiscard]] std::string_view configure(SimTime now, std::uint32_t address,
+                                           std::span<const std::uint8_t> bytes);
+  using Live = LiveSetting<GigeCamera, GigeCameraSettings>;
+  [[nodiscard]] static std::span<const Live> live_settings();
 
   [[nodiscard]] std::string_view description() const { return description_; }
   [[nodiscard]] bool controlled() const { return control_.primary().has_value(); }

@@ -76,6 +76,10 @@ class IsoValves final : public J1939Device, public ValveBackend {
   /// `output` must outlive the device. Throws like validate(settings).
   IsoValves(const IsoValveSettings& settings, FrameOutput& output);
 
+  [[nodiscard]] static std::span<const LiveSetting<IsoValves, IsoValveSettings>> live_settings() {
+    return kJ1939LiveSettings<IsoValves, IsoValveSettings>;
+  }
+
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override;
   [[nodiscard]] SamplePlan sample_plan() const override;

@@ -65,6 +65,8 @@ class J1939Address {
   /// or the node has not yet claimed any.
   void on_command(SimTime now, std::uint8_t address);
 
+  /// Whether it has ever claimed an address since it was switched on.
+  [[nodiscard]] bool has_claimed() const { return state_ != State::off; }
   /// Whether messages may be sent.
   [[nodiscard]] bool held() const { return state_ == State::held; }
   /// kNullAddress when none could be claimed.

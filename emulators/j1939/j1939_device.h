@@ -6,14 +6,17 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "emulators/device.h"
 #include "emulators/j1939/identity.h"
 #include "emulators/j1939/j1939_node.h"
 #include "emulators/j1939/trouble_memory.h"
+#include "emulators/live_setting.h"
 #include "emulators/supply.h"
 #include "protocols/iso11783/functionalities.h"
 
@@ -25,6 +28,12 @@ class J1939Device : public CanDevice, J1939Application {
   void receive(SimTime now, const protocols::can::Frame& frame) override;
   void controller(SimTime now, const protocols::can::ControllerReport& report) final {
     node_.controller(now, report);
+  }
+
+  /// As a commanded address (J1939-81) would send it there. Why it does not move; empty: it does.
+  [[nodiscard]] std::string_view command_address(SimTime now, std::uint8_t address) {
+    advance(now);
+    return node_.command_address(now, address);
   }
 
   [[nodiscard]] std::uint8_t address() const { return node_.address(); }
@@ -73,5 +82,13 @@ class J1939Device : public CanDevice, J1939Application {
   bool supply_lost_ = false;
   std::optional<Identity> identity_;
 };
+
+/// What every such device can be told while it runs.
+template <class Device, class Settings>
+inline constexpr std::array<LiveSetting<Device, Settings>, 1> kJ1939LiveSettings{
+    {{"source_address", "commanded address (J1939-81)",
+      [](Device& device, SimTime now, const Settings& wanted) {
+        return device.command_address(now, wanted.source_address);
+      }}}};
 
 }  // namespace rigwire::emulators

@@ -195,9 +195,15 @@ void J1939Node::transported(SimTime now, const J1939Message& message) {
 void J1939Node::receive_commanded_address(SimTime now, std::span<const std::uint8_t> payload) {
   const auto command = j1939::decode_commanded_address(payload);
   if (settings_.takes_commanded_address && command.ok() && command->name == name()) {
-    address_.on_command(now, command->address);
-    follow_address();
+    (void)command_address(now, command->address);
   }
+}
+
+std::string_view J1939Node::command_address(SimTime now, std::uint8_t address) {
+  const bool has_claimed = address_.has_claimed();
+  address_.on_command(now, address);
+  follow_address();
+  return has_claimed ? "" : "it has not claimed an address yet";
 }
 
 }  // namespace rigwire::emulators

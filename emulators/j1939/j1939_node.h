@@ -20,6 +20,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "emulators/device.h"
 #include "emulators/j1939/j1939_address.h"
@@ -74,6 +75,9 @@ class J1939Node final : J1939TransportSink {
       address_.on_restart(now);
     }
   }
+
+  /// As a commanded address would send it there. Why it does not move; empty: it does.
+  [[nodiscard]] std::string_view command_address(SimTime now, std::uint8_t address);
 
   /// A frame as it is, due the answer delay after `now`. Precondition: held().
   void send(SimTime now, const protocols::can::Frame& frame);

@@ -647,6 +647,49 @@ void OpenImu::receive_bank(std::uint32_t pgn, std::span<const std::uint8_t> payl
   ++(taken ? received_.accepted : received_.ignored);
 }
 
+std::string_view OpenImu::tell(SimTime now, const openimu::Setting& setting) {
+  advance(now);
+  if (!address_.held()) {
+    return "it has no supply, or no address yet";
+  }
+  return apply(now, setting, address_.address()) ? "" : "it refuses the parameter group";
+}
+
+std::span<const LiveSetting<OpenImu, OpenImuSettings>> OpenImu::live_settings() {
+  using Row = LiveSetting<OpenImu, OpenImuSettings>;
+  using Settings = OpenImuSettings;
+  static constexpr std::array<Row, 5> kRows{{
+      {"rate", "packet rate (FF55)",
+       [](OpenImu& imu, SimTime now, const Settings& wanted) {
+         return imu.tell(
+             now, {.kind = Command::packet_rate, .first = wanted.configuration.rate_divider});
+       }},
+      {"packets", "packet types (FF56)",
+       [](OpenImu& imu, SimTime now, const Settings& wanted) {
+         return imu.tell(now,
+                         {.kind = Command::packet_mask, .word = wanted.configuration.packet_mask});
+       }},
+      {"rate_filter", "digital filters (FF57)",
+       [](OpenImu& imu, SimTime now, const Settings& wanted) {
+         return imu.tell(now, {.kind = Command::filters,
+                               .first = wanted.configuration.rate_cut_off_hz,
+                               .second = imu.configuration_.acceleration_cut_off_hz});
+       }},
+      {"acceleration_filter", "digital filters (FF57)",
+       [](OpenImu& imu, SimTime now, const Settings& wanted) {
+         return imu.tell(now, {.kind = Command::filters,
+                               .first = imu.configuration_.rate_cut_off_hz,
+                               .second = wanted.configuration.acceleration_cut_off_hz});
+       }},
+      {"orientation", "orientation (FF58)",
+       [](OpenImu& imu, SimTime now, const Settings& wanted) {
+         return imu.tell(now,
+                         {.kind = Command::orientation, .word = wanted.configuration.orientation});
+       }},
+  }};
+  return kRows;
+}
+
 bool OpenImu::apply(SimTime now, const openimu::Setting& setting, std::uint8_t requester) {
   switch (setting.kind) {
     case Command::reset_algorithm:

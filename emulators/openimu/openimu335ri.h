@@ -25,6 +25,7 @@
 #include "emulators/device.h"
 #include "emulators/inertial/filter.h"
 #include "emulators/j1939/j1939_address.h"
+#include "emulators/live_setting.h"
 #include "emulators/nonvolatile_memory.h"
 #include "emulators/openimu/settings.h"
 #include "emulators/supply.h"
@@ -68,6 +69,8 @@ class OpenImu final : public CanDevice, public ImuBackend {
   /// Vehicle messages that would aid the 335RI's algorithm; they are taken and change nothing.
   [[nodiscard]] std::uint64_t aiding_messages() const { return aiding_messages_; }
   [[nodiscard]] Supply& supply() { return supply_; }
+  /// Its parameter groups.
+  [[nodiscard]] static std::span<const LiveSetting<OpenImu, OpenImuSettings>> live_settings();
 
  private:
   /// The values and merits of the latest tick, device axes.
@@ -109,6 +112,8 @@ class OpenImu final : public CanDevice, public ImuBackend {
   /// False when the setting is refused.
   [[nodiscard]] bool apply(SimTime now, const protocols::openimu::Setting& setting,
                            std::uint8_t requester);
+  /// As if this node had been meant. Why it is not taken; empty: it is.
+  [[nodiscard]] std::string_view tell(SimTime now, const protocols::openimu::Setting& setting);
   [[nodiscard]] bool apply_command(SimTime now, const protocols::openimu::Setting& setting,
                                    std::uint8_t requester);
   void apply_priorities(const protocols::openimu::Setting& setting);

@@ -595,6 +595,10 @@ void UbloxReceiver::handle_configuration(SimTime now, const ubx::FrameView& fram
     answer(now, frame.id, payload.has_value());
     return;
   }
+  answer(now, frame.id, set(now, frame));
+}
+
+bool UbloxReceiver::set(SimTime now, const ubx::FrameView& frame) {
   const ubx::CfgRate before = configuration_.rate();
   const bool accepted = configuration_.set(frame);
   refresh_command();
@@ -604,7 +608,7 @@ void UbloxReceiver::handle_configuration(SimTime now, const ubx::FrameView& fram
       plan_from(now + 1ns);
     }
   }
-  answer(now, frame.id, accepted);
+  return accepted;
 }
 
 void UbloxReceiver::answer(SimTime now, ubx::MessageId request, bool accepted) {

@@ -16,6 +16,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
+#include "emulators/live_setting.h"
 #include "emulators/ublox/base_station.h"
 #include "emulators/ublox/configuration.h"
 #include "emulators/ublox/correction_input.h"
@@ -73,6 +74,14 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   FaultBook<UbloxFault>::Id begin(const UbloxFault& fault) { return faults_.add(fault); }
   /// As FaultBook::end().
   bool end(FaultBook<UbloxFault>::Id id, SimTime now) { return faults_.end(id, now); }
+
+  /// Carries out a set of class CFG that another port of the device brings: none of these answers.
+  /// Why it is refused; empty: it is not.
+  [[nodiscard]] std::string_view configure(SimTime now, const protocols::ubx::FrameView& frame);
+  [[nodiscard]] const UbloxConfiguration& configuration() const { return configuration_; }
+  /// Those of the second UART are of types that have one.
+  using Live = LiveSetting<UbloxReceiver, UbloxSettings>;
+  [[nodiscard]] static std::span<const Live> live_settings();
 
   /// An edge on the external interrupt pin: TIM-TM2 reports it in the next epoch.
   void external_interrupt(SimTime now, bool rising);
@@ -136,6 +145,8 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void parse(SimTime now);
   void handle(SimTime now, const protocols::ubx::FrameView& frame);
   void handle_configuration(SimTime now, const protocols::ubx::FrameView& frame);
+  /// Carries out a set; false when it is refused.
+  [[nodiscard]] bool set(SimTime now, const protocols::ubx::FrameView& frame);
   [[nodiscard]] bool handle_command(SimTime now, const protocols::ubx::FrameView& frame);
   void handle(SimTime now, const protocols::rtcm3::FrameView& frame, UbloxPortStatistics& port);
   /// RXM-RTCM, with its flags.

@@ -58,6 +58,11 @@ class VehicleGateway final : public J1939Device, public VehicleBackend {
   /// `output` must outlive the device. Throws std::invalid_argument like validate().
   VehicleGateway(const VehicleGatewaySettings& settings, FrameOutput& output);
 
+  [[nodiscard]] static std::span<const LiveSetting<VehicleGateway, VehicleGatewaySettings>>
+  live_settings() {
+    return kJ1939LiveSettings<VehicleGateway, VehicleGatewaySettings>;
+  }
+
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override;
   [[nodiscard]] SamplePlan sample_plan() const override;

@@ -134,6 +134,12 @@ void visit_clock(fields::Visitor& v, VelodyneSettings& p) {
             "Only sentences that say 'A' set the time.");
 }
 
+template <auto kMember>
+std::string_view told(VelodyneLiveSettings& live, SimTime /*now*/, const VelodyneSettings& wanted) {
+  live.*kMember = wanted.saved.*kMember;
+  return "";
+}
+
 }  // namespace
 
 const velodyne::Model& model_of(const VelodyneSettings& settings) {
@@ -266,6 +272,25 @@ void visit(fields::Visitor& v, VelodyneSettings& p) {
         },
         "Directions of its gyroscopes and accelerometers.");
   }
+}
+
+std::span<const VelodyneLiveRow> velodyne_live_settings(const velodyne::Model& model) {
+  static constexpr std::array<VelodyneLiveRow, 10> kRows{
+      {{"rate", "rpm of /cgi/setting", told<&VelodyneLiveSettings::rotor_rpm>},
+       {"return_mode", "returns of /cgi/setting", told<&VelodyneLiveSettings::return_mode>},
+       {"laser", "laser of /cgi/setting", told<&VelodyneLiveSettings::laser_on>},
+       {"fov.start", "start of /cgi/setting/fov", told<&VelodyneLiveSettings::view_start_deg>},
+       {"fov.end", "end of /cgi/setting/fov", told<&VelodyneLiveSettings::view_end_deg>},
+       {"phase_lock.enabled", "enabled of /cgi/setting/phaselock",
+        told<&VelodyneLiveSettings::phase_lock>},
+       {"phase_lock.offset", "offset of /cgi/setting/phaselock",
+        told<&VelodyneLiveSettings::phase_lock_offset_centideg>},
+       {"address", "addr of /cgi/setting/host", told<&VelodyneLiveSettings::host_address>},
+       {"port", "dport of /cgi/setting/host", told<&VelodyneLiveSettings::data_port>},
+       {"position_port", "tport of /cgi/setting/host",
+        told<&VelodyneLiveSettings::telemetry_port>}}};
+  const bool positions = model.position_layout != velodyne::PositionLayout::none;
+  return std::span(kRows).first(kRows.size() - (positions ? 0 : 1));
 }
 
 void validate(const VelodyneSettings& settings) {

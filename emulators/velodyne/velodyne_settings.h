@@ -5,9 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "emulators/live_setting.h"
 #include "emulators/velodyne/velodyne_control.h"
 #include "emulators/velodyne/velodyne_fault.h"
 #include "fields/rules.h"
@@ -124,6 +126,12 @@ void visit(fields::Visitor& v, VelodyneSettings& p);
 void validate(const VelodyneSettings& settings);
 /// Whether a device with these settings can have it. Throws std::invalid_argument.
 void check_fault(const VelodyneFault& fault, const VelodyneSettings& settings);
+
+/// What of the settings can be told to a running sensor: the rows change `live`, for
+/// VelodyneControl::apply(). Of the position packets' port only where the model sends such.
+using VelodyneLiveRow = LiveSetting<VelodyneLiveSettings, VelodyneSettings>;
+[[nodiscard]] std::span<const VelodyneLiveRow> velodyne_live_settings(
+    const protocols::velodyne::Model& model);
 
 /// Its model table. Throws std::invalid_argument for an unknown one.
 [[nodiscard]] const protocols::velodyne::Model& model_of(const VelodyneSettings& settings);

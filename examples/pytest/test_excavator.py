@@ -150,6 +150,26 @@ def test_a_hand_digs_and_the_recording_verifies(rig: Rig, tmp_path: Path) -> Non
     assert subprocess.run(verify, timeout=120).returncode == 0
 
 
+def test_a_device_is_told_another_rate(rig: Rig, tmp_path: Path) -> None:
+    rig.run_until(1.0)
+    assert "rate" in rig.read().devices["gnss"].settable
+    with rig.record(tmp_path / "take"):
+        assert rig.set("gnss", rate="5 Hz") == pytest.approx(1.0)
+        before = rig.read().devices["gnss"].frames
+        rig.step(2.0)
+        fast = rig.read().devices["gnss"].frames - before
+        rig.set("gnss", rate="1 Hz")
+        before = rig.read().devices["gnss"].frames
+        rig.step(2.0)
+    assert fast > 3 * (rig.read().devices["gnss"].frames - before)
+    with pytest.raises(Refused, match="cannot be changed while it runs"):
+        rig.set("gnss", mount={"link": "boom"})
+    with pytest.raises(Refused, match="Hz"):
+        rig.set("gnss", rate="1 kHz")
+    verify = [find_program(), "replay", str(tmp_path / "take"), "--verify"]
+    assert subprocess.run(verify, timeout=120).returncode == 0
+
+
 def test_events_tell_what_happened_and_when(rig: Rig) -> None:
     rig.run_until(9.0)
     events = rig.events()

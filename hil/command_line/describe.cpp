@@ -30,7 +30,8 @@ struct DescribedType {
   fields::Named named;
   DeviceDescription description;
   bool has_faults = false;  ///< A rig can order some of it.
-  std::string keys;         ///< Reference of the configuration keys.
+  std::vector<LiveKey> live_keys;
+  std::string keys;  ///< Reference of the configuration keys.
 };
 
 DescribedType describe_type(std::size_t row) {
@@ -40,7 +41,7 @@ DescribedType describe_type(std::size_t row) {
   DescribedType described{
       type.named, device->describe(),
       std::ranges::find(outline.children, "faults", &OutlineNode::key) != outline.children.end(),
-      reference_text(outline)};
+      device->live_keys(), reference_text(outline)};
   if (described.description.page.empty()) {
     described.description.page = fmt::format("docs/devices/{}.md", type.named.name);
   }
@@ -54,6 +55,12 @@ std::string text_of(const DescribedType& type) {
       type.named.text, description.wire, description.document, description.page,
       type.has_faults ? "its key `faults`, below"
                       : "none of its own; those of the wire that it is on");
+  if (!type.live_keys.empty()) {
+    std::vector<std::string> keys;
+    std::ranges::transform(type.live_keys, std::back_inserter(keys),
+                           [](const LiveKey& key) { return std::string(key.key); });
+    text += fmt::format("settable  {}, while it runs (docs/control.md)\n", join_words(keys));
+  }
   std::vector<std::vector<std::string>> rows{{"message", "rate", "content"}};
   for (const DeviceMessage& message : description.messages) {
     rows.push_back({message.name, message.rate, message.content});
@@ -79,8 +86,12 @@ nlohmann::ordered_json json_of(const DescribedType& type) {
                               {"document", description.document},
                               {"page", description.page},
                               {"faults", type.has_faults},
+                              {"settable", nlohmann::ordered_json::array()},
                               {"messages", nlohmann::ordered_json::array()},
                               {"quantities", nlohmann::ordered_json::array()}};
+  for (const LiveKey& key : type.live_keys) {
+    json["settable"].push_back({{"key", key.key}, {"by", key.by}});
+  }
   for (const DeviceMessage& message : description.messages) {
     json["messages"].push_back(
         {{"name", message.name}, {"rate", message.rate}, {"content", message.content}});

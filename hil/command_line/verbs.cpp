@@ -320,7 +320,7 @@ int ctl_verb(const ControlEndpoint& endpoint, const std::string& token, const Ct
   if ((asked.stop || !asked.only.empty()) && asked.verb != "record") {
     return refuse("--only and --stop are of record, found " + asked.verb);
   }
-  Json set = Json::object();
+  std::string set;  // a map in YAML
   for (const std::string& key : asked.keys) {
     const std::size_t equals = key.find('=');
     if (asked.verb == "record" && equals == std::string::npos && !request.contains("folder")) {
@@ -335,13 +335,18 @@ int ctl_verb(const ControlEndpoint& endpoint, const std::string& token, const Ct
     const std::string name = key.substr(0, equals);
     const std::string value = key.substr(equals + 1);
     if (asked.verb == "set" && name != "set" && name != "on" && name != "at") {
-      set[name] = value.empty() || value == "null" ? Json(nullptr) : Json(value);
+      const bool none = value.empty() || value == "null";
+      const bool list = value.starts_with('[');
+      set += fmt::format("{}{}: {}", set.empty() ? "" : ", ", Json(name).dump(),
+                         none   ? "null"
+                         : list ? value
+                                : Json(value).dump(-1, ' ', false, Json::error_handler_t::replace));
     } else {
       request[name] = value;
     }
   }
   if (!set.empty()) {
-    request["set"] = set;
+    request["set"] = "{" + set + "}";
   }
   if (!asked.only.empty()) {
     request["only"] = asked.only;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "hil/configuration/plain_text.h"
 
@@ -49,6 +50,16 @@ void Problems::add(Problem problem) {
   }
 }
 
+void Problems::name_as_written(const Origins& origins) {
+  std::set<std::string> said;
+  std::erase_if(list_, [&](Problem& problem) {
+    const std::string path = origins.written(problem.path);
+    const bool moved = path != problem.path;
+    problem.path = path;
+    return moved && !said.insert(problem.line()).second;
+  });
+}
+
 std::vector<Problem> Problems::sorted() const {
   std::map<std::string, std::size_t> order;
   for (const Problem& problem : list_) {
@@ -91,6 +102,16 @@ ConfigurationError::ConfigurationError(std::vector<Problem> problems)
 Location Origins::of(const std::string& path) const {
   const auto it = places_.find(path);
   return it == places_.end() ? Location{} : it->second;
+}
+
+std::string Origins::written(const std::string& path) const {
+  for (std::size_t end = path.size(); end != std::string::npos && end > 0;
+       end = path.rfind('.', end - 1)) {
+    if (const auto it = written_.find(path.substr(0, end)); it != written_.end()) {
+      return it->second + path.substr(end);
+    }
+  }
+  return path;
 }
 
 Location Origins::nearest(std::string path) const {

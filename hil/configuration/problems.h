@@ -48,6 +48,8 @@ struct Problem {
   [[nodiscard]] std::string line() const;
 };
 
+class Origins;
+
 /// The findings of one pass, in the order of the places they point to.
 class Problems {
  public:
@@ -55,6 +57,8 @@ class Problems {
   static constexpr std::size_t kMostTold = 1000;
 
   void add(Problem problem);
+  /// Each with its path as it was written; what is then said twice, once.
+  void name_as_written(const Origins& origins);
   [[nodiscard]] bool empty() const { return list_.empty(); }
   /// Whether one more would only be counted.
   [[nodiscard]] bool full() const { return list_.size() >= kMostTold; }
@@ -84,6 +88,10 @@ class ConfigurationError : public std::runtime_error {
 class Origins {
  public:
   void set(const std::string& path, const Location& where) { places_[path] = where; }
+  /// What stands at `path` was written at another one.
+  void moved(const std::string& path, const std::string& written) { written_[path] = written; }
+  /// As it was written: of that path, or of something above it that was moved.
+  [[nodiscard]] std::string written(const std::string& path) const;
   /// The place of that very key; a default location when nobody wrote it.
   [[nodiscard]] Location of(const std::string& path) const;
   /// The place of the key, or of the nearest key above it that somebody wrote.
@@ -91,6 +99,7 @@ class Origins {
 
  private:
   std::map<std::string, Location> places_;
+  std::map<std::string, std::string> written_;
 };
 
 }  // namespace rigwire::hil

@@ -57,10 +57,12 @@ void visit(fields::Visitor& v, RecordCommand& p) {
 }
 
 void visit(fields::Visitor& v, SetCommand& p) {
-  v.text("on", p.on, "What is set; the machine has set points.");
+  v.text("on", p.on,
+         "What is set: the machine, or a device of those that `read` tells what is `settable` of.");
   v.required("set");
   v.text("set", p.set,
-         "Set points by their names: an object, or text; null lets one go to the client again.");
+         "An object, or text. Of the machine set points by their names, null lets one go to the "
+         "client again; of a device keys as in a rig's file.");
 }
 
 void visit(fields::Visitor& v, Request& p) {

@@ -19,6 +19,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// What `set` calls it.
+constexpr std::string_view kMachine = "machine";
+
 /// Between two looks at a quantity that is waited for.
 constexpr Duration kLook = std::chrono::milliseconds{1};
 
@@ -322,7 +325,13 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
   const RigStatus status = run_.status();
   Json devices = Json::object();
   for (const DeviceStatus& device : status.devices) {
-    devices[device.name] = json_of(device);
+    Json& told = devices[device.name] = json_of(device);
+    told["settable"] = Json::array();
+    if (run_.settings != nullptr) {
+      for (const LiveKey& key : run_.settings->keys(device.name)) {
+        told["settable"].push_back(key.key);
+      }
+    }
   }
   Json faults = Json::array();
   for (const FaultWindow& fault : status.faults) {
@@ -550,29 +559,68 @@ void Desk::end_recording(const Answer& answer) {
 }
 
 void Desk::act(const SetCommand& command, const Answer& answer) {
-  if (run_.hand == nullptr || command.on != "machine") {
+  std::vector<std::string> names;
+  if (run_.hand != nullptr) {
+    names.emplace_back(kMachine);
+  }
+  if (run_.settings != nullptr) {
+    const std::vector<std::string> devices = run_.settings->names();
+    names.insert(names.end(), devices.begin(), devices.end());
+  }
+  if (std::ranges::count(names, command.on) == 0) {
     refuse(answer, Reply::Outcome::wrong,
            {{"what", "nothing of that name can be set"},
             {"path", "on"},
             {"found", printable(command.on)},
-            {"allowed", "machine"}});
+            {"allowed", join_words(names)}});
     return;
   }
+  const bool of_machine = run_.hand != nullptr && command.on == kMachine;
+  Problems problems;
+  const Value keys = parse_document(command.set, "set", ".", problems);
+  if (!problems.empty()) {
+    refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
+  } else if (keys.kind != Value::Kind::map || keys.entries.empty()) {
+    std::vector<std::string> allowed;
+    if (of_machine) {
+      allowed = run_.hand->settings().names();
+    } else {
+      for (const LiveKey& key : run_.settings->keys(command.on)) {
+        allowed.emplace_back(key.key);
+      }
+    }
+    refuse(answer, Reply::Outcome::wrong,
+           {{"what", of_machine ? "no set points" : "no keys"},
+            {"path", "set"},
+            {"found", printable(command.set)},
+            {"allowed", "some of " + join_words(allowed)}});
+  } else if (of_machine) {
+    set_machine(command, keys, answer);
+  } else {
+    set_device(command, keys, answer);
+  }
+}
+
+void Desk::tell_set(EventKind kind, const std::string& where, const std::string& text) {
+  if (run_.events != nullptr) {
+    run_.events->tell(executive_.now(), kind, LogLevel::info, where, text);
+  }
+}
+
+void Desk::note(const SetCommand& command) {
+  if (run_.recorder != nullptr) {
+    run_.recorder->command(Json{{"verb", "set"}, {"on", command.on}, {"set", command.set}}.dump());
+  }
+}
+
+void Desk::set_machine(const SetCommand& command, const Value& keys, const Answer& answer) {
   Problems problems;
   Origins origins;
   HandSettings settings = run_.hand->settings();
-  Value keys = parse_document(command.set, "set", ".", problems);
-  std::vector<std::string> released;
-  if (problems.empty() && (keys.kind != Value::Kind::map || keys.entries.empty())) {
-    refuse(answer, Reply::Outcome::wrong,
-           {{"what", "no set points"},
-            {"path", "set"},
-            {"found", printable(command.set)},
-            {"allowed", "some of " + join_words(settings.names())}});
-    return;
-  }
   // What is let go has no value to be read.
-  std::erase_if(keys.entries, [&](const Value::Entry& entry) {
+  Value taken = keys;
+  std::vector<std::string> released;
+  std::erase_if(taken.entries, [&](const Value::Entry& entry) {
     const bool lets_go =
         entry.value.kind == Value::Kind::null && settings.find(entry.key) != nullptr;
     if (lets_go) {
@@ -580,35 +628,46 @@ void Desk::act(const SetCommand& command, const Answer& answer) {
     }
     return lets_go;
   });
-  if (problems.empty()) {
-    Reader(keys, problems, origins).read(fields::Part::of(settings));
-  }
+  Reader(taken, problems, origins).read(fields::Part::of(settings));
   if (!problems.empty()) {
     refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
     return;
   }
   std::vector<Hand::Order> orders;
-  const auto tell = [&](EventKind kind, const std::string& name, const std::string& text) {
-    if (run_.events != nullptr) {
-      run_.events->tell(executive_.now(), kind, LogLevel::info, name, text);
-    }
-  };
-  for (const Value::Entry& entry : keys.entries) {
+  for (const Value::Entry& entry : taken.entries) {
     const HandSettings::Row& row = *settings.find(entry.key);
     orders.push_back({row, row.value});
-    tell(EventKind::set, row.name,
-         fmt::format("a hand sets {} to {}", row.name, entry.value.scalar));
+    tell_set(EventKind::set, row.name,
+             fmt::format("a hand sets {} to {}", row.name, entry.value.scalar));
   }
   for (const std::string& name : released) {
     orders.push_back({*settings.find(name), std::nullopt});
-    tell(EventKind::released, name, fmt::format("a hand lets {} go", name));
+    tell_set(EventKind::released, name, fmt::format("a hand lets {} go", name));
   }
   const SimTime acts_from = executive_.soonest_request();
   run_.hand->order(orders);
-  if (run_.recorder != nullptr) {
-    run_.recorder->command(Json{{"verb", "set"}, {"on", command.on}, {"set", command.set}}.dump());
-  }
+  note(command);
   done(answer, {{"acts_from_ns", nanoseconds(acts_from)}});
+}
+
+void Desk::set_device(const SetCommand& command, const Value& keys, const Answer& answer) {
+  const RigSettings::Outcome outcome = run_.settings->tell(executive_.now(), command.on, keys);
+  Json told = Json::object();
+  for (const RigSettings::Outcome::Told& one : outcome.told) {
+    told[one.key] = printable(one.value);
+    tell_set(EventKind::set, command.on, fmt::format("{} is set to {}", one.key, one.value));
+  }
+  if (!outcome.told.empty()) {
+    note(command);
+  }
+  if (!outcome.refused) {
+    done(answer, {{"acts_from_ns", nanoseconds(executive_.now())}});
+    return;
+  }
+  Json why = json_of(*outcome.refused);
+  why["told"] = std::move(told);
+  refuse(answer, outcome.by_device ? Reply::Outcome::refused : Reply::Outcome::wrong,
+         std::move(why));
 }
 
 void Desk::act(const StopCommand&, const Answer& answer) {

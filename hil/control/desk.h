@@ -33,6 +33,7 @@
 #include "hil/record/recorder.h"
 #include "hil/record/run_events.h"
 #include "hil/rig/rig_faults.h"
+#include "hil/rig/rig_settings.h"
 #include "hil/rig/rig_status.h"
 #include "hil/world/hand.h"
 
@@ -63,9 +64,10 @@ struct GovernedRun {
   RigFaults& faults;
   /// As Prometheus text.
   std::function<std::string()> metrics = [] { return std::string(); };
-  RunEvents* events = nullptr;   ///< What is told here; null: nothing.
-  Recorder* recorder = nullptr;  ///< Null: it cannot be recorded.
-  Hand* hand = nullptr;          ///< Null: there are no sticks.
+  RunEvents* events = nullptr;      ///< What is told here; null: nothing.
+  Recorder* recorder = nullptr;     ///< Null: it cannot be recorded.
+  Hand* hand = nullptr;             ///< Null: there are no sticks.
+  RigSettings* settings = nullptr;  ///< Null: no device is told anything.
   /// Folders of recordings are made below it and nowhere else; empty: anywhere.
   std::filesystem::path records_below{};
 };
@@ -128,6 +130,12 @@ class Desk final : public EventSource {
   void act(const SetCommand& command, const Answer& answer);
   void act(const StopCommand&, const Answer& answer);
 
+  /// Of what `set` names: the machine by hand, or a device.
+  void set_machine(const SetCommand& command, const Value& keys, const Answer& answer);
+  void set_device(const SetCommand& command, const Value& keys, const Answer& answer);
+  void tell_set(EventKind kind, const std::string& where, const std::string& text);
+  /// For a recording.
+  void note(const SetCommand& command);
   void begin_recording(const RecordCommand& command, const Answer& answer);
   void end_recording(const Answer& answer);
   /// False: the answer has been given.

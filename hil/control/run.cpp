@@ -296,7 +296,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
                                return to_prometheus(report_of(*rig, configuration, hash, options,
                                                               rig->executive().outcome()));
                              },
-                             &events, recorder.get(), &rig->hand(),
+                             &events, recorder.get(), &rig->hand(), &rig->settings(),
                              // Who has a port's token need not be this user.
                              options.control->path.empty()
                                  ? (isolated ? isolated->folder : std::filesystem::current_path())

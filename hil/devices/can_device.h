@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -155,6 +156,22 @@ class CanDeviceOf : public Device {
     return client_request(bus_.bus().last_request(node_));
   }
 
+  /// Once, after construction: what its emulator can be told, `settings` of the configuration being
+  /// what it is made with.
+  template <class Configuration, class Settings>
+  void hear(std::span<const emulators::LiveSetting<Emulator, Settings>> rows,
+            Settings Configuration::*settings) {
+    tell_ = [this, rows, settings](SimTime now, const DeviceConfiguration& wanted,
+                                   std::string_view key) {
+      return hil::tell(rows, key, emulator_, clock_.own_time(now),
+                       static_cast<const Configuration&>(wanted).*settings);
+    };
+  }
+  [[nodiscard]] std::string tell(SimTime now, const DeviceConfiguration& wanted,
+                                 std::string_view key) override {
+    return tell_(now, wanted, key);
+  }
+
  protected:
   [[nodiscard]] Emulator& emulated() { return emulator_; }
   [[nodiscard]] const emulators::OwnClock& clock() const { return clock_; }
@@ -248,6 +265,8 @@ class CanDeviceOf : public Device {
   emulators::OnOwnClock<Emulator, Backend> on_own_clock_;
   FaultyBackend<Backend> samples_;
   StationOf<Backend> station_;
+  std::function<std::string(SimTime, const DeviceConfiguration&, std::string_view)> tell_ =
+      [](SimTime, const DeviceConfiguration&, std::string_view) { return "it hears nobody"; };
 };
 
 /// What a device on a CAN bus does there, asked of its emulator.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -101,6 +102,13 @@ class Device {
   /// Where what goes wrong with it begins and ends, in the order of its faults' windows.
   [[nodiscard]] const std::vector<std::unique_ptr<FaultPort>>& fault_ports() const {
     return fault_ports_;
+  }
+
+  /// Tells it one of DeviceConfiguration::live_keys(), as `wanted` has it, a valid configuration of
+  /// its type. Why it does not take that; empty: it has.
+  [[nodiscard]] virtual std::string tell(SimTime /*now*/, const DeviceConfiguration& /*wanted*/,
+                                         std::string_view /*key*/) {
+    return "it hears nobody";
   }
 
   /// What others may be joined with; null where there is none.

@@ -11,6 +11,7 @@
 
 #include "fields/rules.h"
 #include "hil/configuration/fault_window.h"
+#include "hil/devices/live_settings.h"
 #include "protocols/can/message.h"
 
 namespace rigwire::hil {
@@ -74,6 +75,9 @@ class DeviceConfiguration {
   /// What can go wrong with it, also while it runs, as its ports tell (device.h). What depends on
   /// the rig, a line of its own, is as the defaults have it.
   [[nodiscard]] virtual std::vector<fields::Named> fault_kinds() const = 0;
+  /// Those of its keys that it can be told while it runs (Device::tell), in the order in which they
+  /// are told.
+  [[nodiscard]] virtual std::vector<LiveKey> live_keys() const { return {}; }
   /// The three below may throw std::invalid_argument for settings that make no device.
   [[nodiscard]] virtual DevicePlan plan(const RigView& rig) const = 0;
   /// nullopt: it is not on a CAN bus. `name` is the device's in its rig.

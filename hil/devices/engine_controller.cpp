@@ -58,6 +58,9 @@ struct EngineControllerConfiguration final : DeviceConfigurationOf<EngineControl
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
     return mixed_kinds(faults);
   }
+  [[nodiscard]] std::vector<LiveKey> live_keys() const override {
+    return hil::live_keys(emulators::EngineController::live_settings());
+  }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     return j1939_plan(rig, bus, engine.source_address, bus_share({})->frames_hz,
@@ -95,6 +98,8 @@ struct EngineControllerConfiguration final : DeviceConfigurationOf<EngineControl
     auto device = std::make_unique<EngineControllerDevice>(
         site, bus, clock, node_faults<PowerUnitSample>(faults),
         with_supply_faults(settings_on(engine, site.world().machine().power_unit_port()), faults));
+    device->hear(emulators::EngineController::live_settings(),
+                 &EngineControllerConfiguration::engine);
     site.world().add(
         make_world_power_unit(device->enlist(site.executive()), site.world().machine()));
     return device;

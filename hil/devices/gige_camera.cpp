@@ -155,6 +155,11 @@ class GigeCameraDevice final : public Device {
     return status;
   }
   [[nodiscard]] std::optional<ClientRequest> last_request() const override { return last_request_; }
+  [[nodiscard]] std::string tell(SimTime now, const DeviceConfiguration& wanted,
+                                 std::string_view key) override {
+    return hil::tell(emulators::GigeCamera::live_settings(), key, camera_, now,
+                     static_cast<const GigeCameraConfiguration&>(wanted).camera);
+  }
   /// Datagrams that were lost, and pictures that never became any.
   [[nodiscard]] std::uint64_t dropped() const override {
     const emulators::GigeCameraCounters counted = camera_.counters();
@@ -369,6 +374,10 @@ void GigeCameraConfiguration::each_fault(const FaultEar& take) {
 
 std::vector<fields::Named> GigeCameraConfiguration::fault_kinds() const {
   return hil::fault_kinds<emulators::GigeCameraFault>();
+}
+
+std::vector<LiveKey> GigeCameraConfiguration::live_keys() const {
+  return hil::live_keys(emulators::GigeCamera::live_settings());
 }
 
 DevicePlan GigeCameraConfiguration::plan(const RigView& /*rig*/) const {

@@ -55,6 +55,9 @@ struct InclinometerConfiguration final : DeviceConfigurationOf<InclinometerConfi
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
     return mixed_kinds(faults);
   }
+  [[nodiscard]] std::vector<LiveKey> live_keys() const override {
+    return hil::live_keys(emulators::Inclinometer::live_settings());
+  }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     const bool synchronous =
@@ -99,6 +102,8 @@ struct InclinometerConfiguration final : DeviceConfigurationOf<InclinometerConfi
     auto device = std::make_unique<InclinometerDevice>(
         site, bus, clock, node_faults<ImuSample>(faults), with_supply_faults(on_bus, faults),
         open_settings(settings_file));
+    device->hear(emulators::Inclinometer::live_settings(),
+                 &InclinometerConfiguration::inclinometer);
     mount_inertial_unit(site, device->enlist(site.executive()), mount, sensor, {});
     return device;
   }

@@ -62,6 +62,9 @@ struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfigurati
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
     return mixed_kinds(faults);
   }
+  [[nodiscard]] std::vector<LiveKey> live_keys() const override {
+    return hil::live_keys(emulators::IsoValves::live_settings());
+  }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     return j1939_plan(rig, bus, valves.source_address, bus_share({})->frames_hz,
@@ -104,6 +107,7 @@ struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfigurati
     settings.amplifier.defects = those_of<emulators::ValveDefect>(faults);
     auto device = std::make_unique<IsoValvesDevice>(site, bus, clock,
                                                     node_faults<ValveSample>(faults), settings);
+    device->hear(emulators::IsoValves::live_settings(), &IsoValvesConfiguration::valves);
     site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine(),
                                        valves.amplifier.sections));
     return device;

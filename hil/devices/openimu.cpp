@@ -64,6 +64,9 @@ struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceCon
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
     return mixed_kinds(faults);
   }
+  [[nodiscard]] std::vector<LiveKey> live_keys() const override {
+    return hil::live_keys(emulators::OpenImu::live_settings());
+  }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     const unsigned divider = imu.configuration.rate_divider;
@@ -109,6 +112,7 @@ struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceCon
     auto device = std::make_unique<OpenImuDevice>(site, bus, clock, node_faults<ImuSample>(faults),
                                                   with_supply_faults(imu, faults),
                                                   open_settings(settings_file));
+    device->hear(emulators::OpenImu::live_settings(), &OpenImuDeviceConfiguration::imu);
     mount_inertial_unit(site, device->enlist(site.executive()), mount, sensor, magnetometer);
     return device;
   }

@@ -41,6 +41,10 @@ std::vector<fields::Named> EncoderConfiguration::fault_kinds() const {
   return mixed_kinds(faults);
 }
 
+std::vector<LiveKey> EncoderConfiguration::live_keys() const {
+  return hil::live_keys(emulators::RotaryEncoder::live_settings());
+}
+
 DevicePlan EncoderConfiguration::plan(const RigView& rig) const {
   return {can_wire(rig, bus, fmt::format("node {}", encoder.node.node_id)),
           fmt::format("{:.0f} frames/s", bus_share({})->frames_hz), "",
@@ -79,6 +83,7 @@ std::unique_ptr<Device> EncoderConfiguration::make(Site& site) const {
   auto device = std::make_unique<EncoderDevice>(
       site, bus, clock, node_faults<EncoderSample>(faults), with_supply_faults(on_bus, faults),
       open_settings(settings_file));
+  device->hear(emulators::RotaryEncoder::live_settings(), &EncoderConfiguration::encoder);
   mount_encoder(site, device->enlist(site.executive()), joint);
   return device;
 }

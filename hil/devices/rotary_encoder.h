@@ -27,6 +27,7 @@ struct EncoderConfiguration final : DeviceConfigurationOf<EncoderConfiguration> 
   void check(const std::string& at, RigCheck& check) const override;
   void each_fault(const FaultEar& take) override;
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override;
+  [[nodiscard]] std::vector<LiveKey> live_keys() const override;
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
   [[nodiscard]] DeviceDescription describe() const override;

@@ -81,6 +81,11 @@ class UbloxDevice final : public Device,
   [[nodiscard]] std::optional<ClientRequest> last_request() const override {
     return ublox_request(receiver_.last_request());
   }
+  [[nodiscard]] std::string tell(SimTime now, const DeviceConfiguration& wanted,
+                                 std::string_view key) override {
+    return hil::tell(emulators::UbloxReceiver::live_settings(), key, receiver_, now,
+                     static_cast<const UbloxConfiguration&>(wanted).receiver);
+  }
 
  private:
   std::unique_ptr<drivers::ByteStream> open_line(const UbloxConfiguration& configuration,
@@ -220,6 +225,14 @@ std::vector<fields::Named> UbloxConfiguration::fault_kinds() const {
   return wire == SerialWire::usb
              ? hil::fault_kinds<PlugFault, sim::GnssFault, emulators::UbloxFault>()
              : hil::fault_kinds<sim::GnssFault, emulators::UbloxFault>();
+}
+
+std::vector<LiveKey> UbloxConfiguration::live_keys() const {
+  std::vector<LiveKey> keys = hil::live_keys(emulators::UbloxReceiver::live_settings());
+  if (!receiver.profile->carrier_solution) {
+    std::erase_if(keys, [](const LiveKey& key) { return key.key.starts_with("uart2"); });
+  }
+  return keys;
 }
 
 DevicePlan UbloxConfiguration::plan(const RigView& rig) const {

@@ -109,6 +109,9 @@ struct VehicleGatewayConfiguration final : DeviceConfigurationOf<VehicleGatewayC
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
     return mixed_kinds(faults);
   }
+  [[nodiscard]] std::vector<LiveKey> live_keys() const override {
+    return hil::live_keys(emulators::VehicleGateway::live_settings());
+  }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     return j1939_plan(rig, bus, gateway.source_address, bus_share({})->frames_hz,
@@ -150,6 +153,7 @@ struct VehicleGatewayConfiguration final : DeviceConfigurationOf<VehicleGatewayC
     auto device = std::make_unique<VehicleGatewayDevice>(
         site, bus, clock, node_faults<VehicleSample>(faults),
         with_supply_faults(settings(), faults), position_from);
+    device->hear(emulators::VehicleGateway::live_settings(), &VehicleGatewayConfiguration::gateway);
     site.world().add(
         make_world_vehicle(device->enlist(site.executive()), site.world().machine(),
                            sim::VehicleSensors(sensor, odometry, site.seed(), site.name())));

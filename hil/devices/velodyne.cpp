@@ -229,6 +229,21 @@ class VelodyneDevice final : public Device, private FixListener {
   [[nodiscard]] bool is_lidar() const override { return true; }
   [[nodiscard]] std::string remark() const override { return remark_; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return data_.status(); }
+  [[nodiscard]] std::string tell(SimTime now, const DeviceConfiguration& wanted,
+                                 std::string_view key) override {
+    if (lidar_.starting_up(now)) {
+      return "the sensor starts up";
+    }
+    emulators::VelodyneLiveSettings live = lidar_.live_settings();
+    std::string why = hil::tell(emulators::velodyne_live_settings(model_of(configuration_)), key,
+                                live, now, static_cast<const VelodyneConfiguration&>(wanted).lidar);
+    why = why.empty() ? objection(live) : why;
+    if (why.empty() && live != lidar_.live_settings()) {
+      lidar_.apply(now, live);
+      follow_destination();
+    }
+    return why;
+  }
   /// Of the web interface.
   [[nodiscard]] std::optional<ClientRequest> last_request() const override { return last_request_; }
   [[nodiscard]] std::uint64_t dropped() const override {
@@ -296,16 +311,17 @@ class VelodyneDevice final : public Device, private FixListener {
     }
     emulators::WebResponse response =
         web_.answer(now, {request.method, request.target, request.body});
-    if (std::exchange(destination_changes_, lidar_.destination_changes()) !=
-        lidar_.destination_changes()) {
-      follow_destination();
-    }
+    follow_destination();
     return {response.status, std::move(response.content_type), std::move(response.body),
             std::move(response.allow), response.close};
   }
 
   /// A port that turns out to be taken on our side leaves the packets where they went before.
   void follow_destination() {
+    if (std::exchange(destination_changes_, lidar_.destination_changes()) ==
+        lidar_.destination_changes()) {
+      return;
+    }
     const auto data = lidar_.data_destination();
     const auto position = lidar_.position_destination();
     (void)data_.retarget({data.address, data.port});
@@ -443,6 +459,10 @@ void VelodyneConfiguration::each_fault(const FaultEar& take) {
 
 std::vector<fields::Named> VelodyneConfiguration::fault_kinds() const {
   return hil::fault_kinds<emulators::VelodyneFault>();
+}
+
+std::vector<LiveKey> VelodyneConfiguration::live_keys() const {
+  return hil::live_keys(emulators::velodyne_live_settings(model_of(*this)));
 }
 
 DevicePlan VelodyneConfiguration::plan(const RigView& /*rig*/) const {

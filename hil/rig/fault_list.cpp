@@ -1,5 +1,7 @@
 #include "hil/rig/fault_list.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 #include <string_view>
@@ -20,6 +22,7 @@ constexpr std::string_view kSky = "sky";
 /// Something of the document that can have faults; `part` holds its list.
 struct Target {
   std::string name;
+  std::string path;
   Value* part;
   bool has_antenna = false;
 };
@@ -52,7 +55,8 @@ std::vector<Target> targets_of(Value& document) {
       if (!is_device || !kinds.empty()) {
         const bool antenna =
             std::ranges::count(kinds, sim::OutageFault::kNamed.name, &fields::Named::name) > 0;
-        targets.push_back({prefix + entry.key, &entry.value, antenna});
+        targets.push_back(
+            {prefix + entry.key, std::string(section) + "." + entry.key, &entry.value, antenna});
       }
     }
   };
@@ -62,7 +66,9 @@ std::vector<Target> targets_of(Value& document) {
   return targets;
 }
 
-void append(Value& part, const Value& fault) {
+void append(const Target& target, const Value& fault, const std::string& written,
+            Origins& origins) {
+  Value& part = *target.part;
   Value* list = part.find(kList);
   if (list == nullptr) {
     Value empty{.kind = Value::Kind::list,
@@ -75,13 +81,14 @@ void append(Value& part, const Value& fault) {
     list = &part.entries.back().value;
   }
   if (list->kind == Value::Kind::list) {  // else the reader complains of it
+    origins.moved(fmt::format("{}.{}.{}", target.path, kList, list->items.size()), written);
     list->items.push_back(fault);
   }
 }
 
 }  // namespace
 
-void bring_faults_home(Value& document, Problems& problems) {
+void bring_faults_home(Value& document, Problems& problems, Origins& origins) {
   const auto found = std::ranges::find(document.entries, kList, &Value::Entry::key);
   if (found == document.entries.end()) {
     return;
@@ -112,7 +119,7 @@ void bring_faults_home(Value& document, Problems& problems) {
     bool known = false;
     for (const Target& target : targets) {
       if (name.scalar == kSky ? target.has_antenna : target.name == name.scalar) {
-        append(*target.part, fault);
+        append(target, fault, path, origins);
         known = true;
       }
     }

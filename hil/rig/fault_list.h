@@ -32,7 +32,8 @@ inline void visit(fields::Visitor& v, ListedFault& p) {
 
 /// Gives each fault of the document's list to the list of what it is on, behind what that has, with
 /// the place where it was written; one on the sky to every device with an antenna. From there on
-/// they are read as any other. What names nothing that can have faults goes to `problems`.
-void bring_faults_home(Value& document, Problems& problems);
+/// they are read as any other, and `origins` knows where they were written. What names nothing that
+/// can have faults goes to `problems`.
+void bring_faults_home(Value& document, Problems& problems, Origins& origins);
 
 }  // namespace rigwire::hil

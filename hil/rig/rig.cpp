@@ -302,6 +302,7 @@ void check_start(const LoadedRig& rig, RunLog* log) {
     const MachineInScene built = build_machine_in_scene(configuration, log);
     require_quantities(configuration, state_quantities(*built.machine));
   });
+  problems.name_as_written(rig.origins);
   problems.throw_if_any();
 }
 
@@ -431,6 +432,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     DeviceSite site(*this, name);
     const std::size_t first = executive_.outlets().size();
     devices_.push_back({name, device->make(site)});
+    settings_.add(name, *device, *devices_.back().device);
     record(name, first, devices_.back().device->endpoint());
   }
   number_faults();

@@ -50,6 +50,7 @@
 #include "hil/record/run_log.h"
 #include "hil/rig/rig_configuration.h"
 #include "hil/rig/rig_faults.h"
+#include "hil/rig/rig_settings.h"
 #include "hil/rig/rig_status.h"
 #include "hil/wires/rig_can.h"
 #include "hil/wires/rig_modbus.h"
@@ -152,6 +153,8 @@ class Rig {
   /// On the thread that runs the executive: devices, buses and lines with what goes wrong there.
   [[nodiscard]] RigFaults& faults() { return faults_; }
   [[nodiscard]] const RigFaults& faults() const { return faults_; }
+  /// Likewise: what its devices can be told.
+  [[nodiscard]] RigSettings& settings() { return settings_; }
   /// After the run.
   [[nodiscard]] std::vector<DeviceReport> device_reports() const;
 
@@ -193,6 +196,7 @@ class Rig {
   std::vector<NamedDevice> devices_;
   std::vector<std::unique_ptr<FaultPort>> wire_faults_;  ///< Of buses and lines.
   RigFaults faults_;
+  RigSettings settings_;
   /// Null while nothing is on USB. Last, because what is plugged into it must outlive it.
   std::unique_ptr<RigUsb> usb_;
 };

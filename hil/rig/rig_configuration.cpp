@@ -15,13 +15,14 @@ LoadedRig load_rig(const std::string& file, const std::vector<std::string>& sets
   for (const std::string& set : sets) {
     apply_set(document, set, problems);
   }
-  bring_faults_home(document, problems);
   LoadedRig rig;
+  bring_faults_home(document, problems, rig.origins);
   // A file that cannot be read at all would only be followed by complaints about missing keys.
   if (problems.empty() || !document.entries.empty()) {
     read(document, rig.configuration, problems, rig.origins);
   }
   check_rig(rig.configuration, rig.origins, problems);
+  problems.name_as_written(rig.origins);
   problems.throw_if_any();
   return rig;
 }

@@ -84,6 +84,7 @@ class DeviceStatus:
     dropped: int
     client_present: bool
     last_request: Request | None
+    settable: Sequence[str] = ()  #: Keys of its configuration that `set` can change.
 
 
 @dataclass(frozen=True)
@@ -369,10 +370,12 @@ class Rig:
         """Ends the recording; returns its last instant."""
         return float(self.ask("record", stop=True)["end_ns"]) * 1e-9
 
-    def set(self, **values: float | bool | str | None) -> float:
+    def set(self, on: str = "machine", /, **values: Any) -> float:
         """Set points of the machine by hand, beside the client's, as numbers in the key's unit or
-        text with one ("20 km/h"); None lets one go. Returns when they act."""
-        return float(self.ask("set", set=values)["acts_from_ns"]) * 1e-9
+        text with one ("20 km/h"); None lets one go. With the name of a device keys of its
+        configuration, as in the rig's file, of those that it can be told while it runs
+        (`read().devices[on].settable`). Returns when they act."""
+        return float(self.ask("set", on=on, set=values)["acts_from_ns"]) * 1e-9
 
     def release(self, *names: str) -> float:
         """Lets set points go to the client again."""

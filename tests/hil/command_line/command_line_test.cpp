@@ -276,6 +276,43 @@ TEST(CommandLine, the_pages_table_of_faults_is_the_programs) {
   }
 }
 
+/// Likewise what devices can be told while they run: key, type of device, and how.
+TEST(CommandLine, the_pages_table_of_settings_is_the_programs) {
+  std::ifstream page(RIGWIRE_SOURCE_DIR "/docs/control.md");
+  std::set<std::vector<std::string>> rows;  // key, pattern, by
+  std::string line;
+  while (std::getline(page, line) && !line.starts_with("| key | of | told as |")) {
+  }
+  while (std::getline(page, line) && line.starts_with('|')) {
+    static const std::regex row(R"(\| `([a-z0-9_.]+)` \| (.*) \| (.*) \|)");
+    std::smatch cells;
+    if (std::regex_match(line, cells, row)) {
+      std::istringstream patterns(cells[2]);
+      for (std::string pattern; std::getline(patterns >> std::ws, pattern, ',');) {
+        rows.insert({cells[1], pattern.substr(1, pattern.size() - 2), cells[3]});
+      }
+    }
+  }
+  EXPECT_GT(rows.size(), 30U);
+  std::set<std::vector<std::string>> used;
+  for (const DeviceType& type : device_types()) {
+    for (const LiveKey& key : type.fresh()->live_keys()) {
+      const auto stands = [&](const std::vector<std::string>& row) {
+        return row[0] == key.key && row[2] == key.by &&
+               ::fnmatch(row[1].c_str(), std::string(type.named.name).c_str(), 0) == 0;
+      };
+      EXPECT_TRUE(std::ranges::any_of(rows, stands)) << type.named.name << " " << key.key;
+      std::ranges::copy_if(rows, std::inserter(used, used.end()), stands);
+    }
+  }
+  for (const std::vector<std::string>& row : rows) {
+    EXPECT_TRUE(used.contains(row))
+        << "`" << row[0] << "` of " << row[1] << ": the program has none";
+  }
+  const Result told = rigwire("describe ublox-neo-7p");
+  EXPECT_THAT(told.output, HasSubstr("settable  rate, baud, nmea_sentences, ubx_messages, while"));
+}
+
 TEST(CommandLine, lists_know_what_there_is) {
   EXPECT_THAT(rigwire("list devices").output, HasSubstr("velodyne-hdl-32e"));
   EXPECT_THAT(rigwire("list rigs").output, HasSubstr("excavator_pit"));

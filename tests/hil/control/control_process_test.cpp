@@ -278,6 +278,7 @@ TEST_F(ControlProcess, ARecordingInTheMiddleOfARunVerifiesWithWhatAHandSet) {
   EXPECT_THAT(second.output, HasSubstr("a recording is on its way"));
   EXPECT_EQ(ctl({"run_until", "time=1700ms"}).code, 0);
   EXPECT_EQ(ctl({"set", "boom="}).code, 0);
+  EXPECT_EQ(ctl({"set", "on=gnss", "rate=2Hz", "nmea_sentences=[RMC, GGA]"}).code, 0);
   EXPECT_EQ(ctl({"fault_add", "on=gnss", "fault={type: jamming, for: 200 ms}"}).code, 0);
   EXPECT_EQ(ctl({"run_until", "time=2600700us"}).code, 0);
   const Done stopped = ctl({"record", "--stop"});
@@ -318,7 +319,7 @@ TEST_F(ControlProcess, AHandRaisesTheBoomAndWhatItCannotSetIsRefused) {
   const Done name = ctl({"set", "bom=0.5"});
   EXPECT_EQ(name.code, 2);
   EXPECT_THAT(name.output, HasSubstr("boom"));
-  EXPECT_EQ(ctl({"set", "on=gnss", "rate=5"}).code, 2);
+  EXPECT_EQ(ctl({"set", "on=gns", "rate=5"}).code, 2);
   EXPECT_EQ(ctl({"set"}).code, 2);
   EXPECT_EQ(ctl({"run_until", "time=600ms"}).code, 0);
   EXPECT_NEAR(boom(), at_first, 0.2) << "a refused request moved the machine";

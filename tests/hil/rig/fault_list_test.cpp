@@ -92,6 +92,25 @@ TEST_F(FaultList, WhatHasNoFaultsIsToldWithItsPlaceAndWhatThereIs) {
   EXPECT_THAT(complaint("faults: [jamming]\n"), HasSubstr("wrong kind of value"));
 }
 
+/// The fourth of the list is the second of its bus and the first of its device.
+TEST_F(FaultList, AnErrorNamesTheNumberInTheListThatWasWritten) {
+  const std::string three =
+      "faults:\n"
+      "  - {on: bus can, type: short, at: 1 s, for: 1 s}\n"
+      "  - {on: starfire, type: outage, at: 1 s, for: 1 s}\n"
+      "  - {on: starfire, type: outage, at: 3 s, for: 1 s}\n";
+  EXPECT_EQ(complaint(three), "");
+  EXPECT_THAT(complaint(three + "  - {on: bus can, type: unplugged, device: nobody}\n"),
+              AllOf(HasSubstr("rig.yaml:9:"), HasSubstr(": faults.3"),
+                    testing::Not(HasSubstr("buses.can"))));
+  EXPECT_THAT(complaint(three + "  - {on: gnss, type: jamming, loss: 3 m}\n"),
+              AllOf(HasSubstr("rig.yaml:9:"), HasSubstr(": faults.3.loss"),
+                    testing::Not(HasSubstr("devices"))));
+  // One that is of two devices is complained of once.
+  const std::string twice = complaint("faults: [{on: sky, type: jamming, loss: 3 m}]\n");
+  EXPECT_EQ(twice.find("faults.0.loss"), twice.rfind("faults.0.loss")) << twice;
+}
+
 TEST_F(FaultList, AnImpossiblePairIsToldWithWhatTheTargetCanHave) {
   EXPECT_THAT(complaint("faults:\n  - {on: starfire, type: frozen}\n"),
               AllOf(HasSubstr("rig.yaml:6:26"), HasSubstr("unknown type"), HasSubstr("frozen"),
@@ -106,7 +125,7 @@ TEST_F(FaultList, AQuantityThatTheMachineDoesNotHaveIsToldBeforeTheRun) {
     FAIL() << "accepted";
   } catch (const ConfigurationError& error) {
     EXPECT_THAT(std::string(error.what()),
-                AllOf(HasSubstr("rig.yaml:6:47"), HasSubstr("devices.gnss.faults.0.when.quantity"),
+                AllOf(HasSubstr("rig.yaml:6:47"), HasSubstr(": faults.0.when.quantity"),
                       HasSubstr("allowed")));
   }
 }
@@ -127,7 +146,7 @@ class FaultListContradiction : public FaultList,
 TEST_P(FaultListContradiction, IsRefusedAtItsLine) {
   const Contradiction& one = GetParam();
   EXPECT_THAT(complaint("faults:\n  - {on: gnss, type: outage, " + std::string(one.keys) + "}\n"),
-              AllOf(HasSubstr("rig.yaml:6:"), HasSubstr(std::string("faults.0.") + one.key + ":"),
+              AllOf(HasSubstr("rig.yaml:6:"), HasSubstr(std::string(": faults.0.") + one.key + ":"),
                     HasSubstr(one.said)));
 }
 

@@ -1,6 +1,7 @@
 // A machine that moves as it did once: its devices say what they said then, and answer.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -50,15 +51,19 @@ class ReplayedMotion : public testing::Test {
   std::map<std::string, double> run(const std::string& name, const std::string& rig_file,
                                     Duration length, std::vector<std::string> sets,
                                     const Openings& hand = {}) {
-    const LoadedRig loaded = load_rig(rig_file, std::move(sets));
+    return record(name, load_rig(rig_file, std::move(sets)).configuration, length, hand);
+  }
+  std::map<std::string, double> record(const std::string& name,
+                                       const RigConfiguration& configuration, Duration length,
+                                       const Openings& hand = {}) {
     RecordedRun about;
-    about.start_unix_ns = unix_time(loaded.configuration.start).count();
-    about.configuration = print_rig(loaded.configuration);
+    about.start_unix_ns = unix_time(configuration.start).count();
+    about.configuration = print_rig(configuration);
     boost::asio::io_context io;
     OutputFailures failures([](const std::string& what) { ADD_FAILURE() << what; });
     RunEvents events;
     Recorder recorder(std::move(about), 10min, failures, events);
-    Rig rig(loaded.configuration, io, {}, nullptr, {}, &recorder);
+    Rig rig(configuration, io, {}, nullptr, {}, &recorder);
     std::vector<Hand::Order> orders;
     for (const auto& [set_point, value] : hand) {
       HandSettings::Row row = *rig.hand().settings().find(set_point);
@@ -223,6 +228,68 @@ TEST_F(ReplayedMotion, OfAnExcavatorGivesItsDevicesOutputAgain) {
   const Json valves = messages("a", TruthTrack::motion).back()["valves"];
   EXPECT_EQ(valves, messages("b", TruthTrack::motion).back()["valves"]);
   EXPECT_EQ(messages("a", TruthTrack::joints).back()["joints"][0]["name"], "upper");
+}
+
+/// Wheels, steering and drive train are not the links alone.
+class ReplayedDriveOf : public ReplayedMotion, public testing::WithParamInterface<const char*> {};
+
+TEST_P(ReplayedDriveOf, AVehicleGivesItsDevicesOutputAgain) {
+  const std::string rig = RIGWIRE_SOURCE_DIR "/configs/rigs/" + std::string(GetParam()) + ".yaml";
+  constexpr Duration kLength = 3s;
+  const Openings drive{{"parking_brake", 0.0}, {"travel_speed", 2.0}, {"front_steer", 0.2}};
+  run("a", rig, kLength, wires_.driving_sets(GetParam()), drive);
+  auto sets = wires_.driving_sets(GetParam());
+  sets.push_back("machine.motion.file=" + (folder("a") / "truth.mcap").string());
+  const auto state = run("b", rig, kLength, sets, {{"travel_speed", -2.0}});
+
+  EXPECT_EQ(bytes_of("a/wires/gnss.bytes"), bytes_of("b/wires/gnss.bytes"));
+  const Ranges lidar = ranges("a", "b");
+  print("lidar range, m", lidar.error);
+  EXPECT_GT(lidar.points, 10'000U);
+  EXPECT_LE(lidar.error.greatest, kCount_m + 1e-9);
+  EXPECT_LT(lidar.apart, lidar.points / 10'000);
+  const std::string body = "body";
+  EXPECT_EQ(accelerations("a", "b", body).greatest, 0.0);
+  const Json first = messages("a", TruthTrack::motion).back();
+  const Json second = messages("b", TruthTrack::motion).back();
+  EXPECT_EQ(first["vehicle"], second["vehicle"]) << "what the gateway measures";
+  EXPECT_GT(std::abs(first["vehicle"]["odometry"]["speed_mps"].get<double>()), 0.2) << "it drove";
+  EXPECT_GT(state.at("commands without effect"), 0.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(, ReplayedDriveOf, testing::Values("gator_campus", "unimog_forest"),
+                         [](const auto& test) { return std::string(test.param); });
+
+/// The recorded lidar beside an emulated receiver on the recorded motion: both as they were.
+TEST_F(ReplayedMotion, ARecordedLidarStandsBesideAnEmulatedReceiver) {
+  constexpr Duration kLength = 1500ms;
+  run("a", kPit, kLength, wires_.sets(), kDig);
+  const fs::path player = wires_.folder / "player.yaml";
+  std::ofstream(player)
+      << "machine: {type: excavator}\ndevices:\n  lidar: {type: replay, wire: udp, "
+         "address: 127.0.0.1, port: "
+      << wires_.lidar_port << ", source: {file: " << (folder("a") / "wires/lidar.pcapng").string()
+      << ", zero: " << unix_time(load_rig(kPit, {}).configuration.start).count() << "}}\n";
+  const LoadedRig of_file = load_rig(player.string(), {});
+  auto sets = wires_.sets();
+  sets.push_back("machine.motion.file=" + (folder("a") / "truth.mcap").string());
+  RigConfiguration mixed = load_rig(kPit, sets).configuration;
+  mixed.devices.erase("lidar");
+  mixed.devices.emplace("lidar", of_file.configuration.devices.at("lidar"));
+  record("b", mixed, kLength);
+  EXPECT_EQ(bytes_of("a/wires/gnss.bytes"), bytes_of("b/wires/gnss.bytes"));
+  // Of both ports in their order; what was due at the very end may still be on its way.
+  const auto recorded = packets("a", "lidar");
+  const auto played = packets("b", "lidar");
+  ASSERT_GT(played.size(), 2000U);
+  ASSERT_LE(played.size(), recorded.size());
+  EXPECT_GE(played.size() + 5, recorded.size());
+  for (std::size_t i = 0; i < played.size(); ++i) {
+    const auto one = protocols::pcapng::udp_packet(recorded[i]);
+    const auto other = protocols::pcapng::udp_packet(played[i]);
+    ASSERT_TRUE(one.ok() && other.ok());
+    ASSERT_TRUE(std::ranges::equal(one->bytes, other->bytes)) << "packet " << i;
+  }
 }
 
 TEST_F(ReplayedMotion, BetweenItsInstantsIsNearTheRunThatItIsOf) {

@@ -2,37 +2,32 @@
 // as if the file had had it.
 #include "hil/rig/rig_faults.h"
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "governed_run.h"
 #include "hil/configuration/document.h"
-#include "hil/control/desk.h"
 #include "hil/rig/rig.h"
 
 namespace rigwire::hil {
 namespace {
 
 using namespace std::chrono_literals;
+using test::file_of;
+using test::Json;
+using test::OneAtATime;
+using test::Ran;
+using test::run;
 using testing::HasSubstr;
 using testing::UnorderedElementsAreArray;
-using Json = nlohmann::json;
-
-std::string file_of(const std::string& rig) {
-  return RIGWIRE_SOURCE_DIR "/tests/hil/streams/" + rig + ".yaml";
-}
 
 Json json_of(const Value& value) {
   if (value.kind == Value::Kind::list) {
@@ -50,52 +45,6 @@ Json json_of(const Value& value) {
     return map;
   }
   return value.scalar;
-}
-
-/// A run without a client. What each wire carried, and what became of the requests.
-struct Ran {
-  std::map<std::string, std::uint64_t> streams;
-  std::vector<Json> answers;
-};
-
-/// These rigs have the paths and ports of their files: one process at a time.
-class OneAtATime {
- public:
-  OneAtATime() : file_(::open("/tmp/rigwire-rig-faults-test", O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
-    if (file_ < 0 || ::flock(file_, LOCK_EX) != 0) {
-      throw std::runtime_error("no lock");
-    }
-  }
-  ~OneAtATime() { ::close(file_); }
-  OneAtATime(const OneAtATime&) = delete;
-  OneAtATime& operator=(const OneAtATime&) = delete;
-
- private:
-  int file_;
-};
-
-Ran run(const RigConfiguration& configuration, const std::vector<Request>& requests,
-        Duration length) {
-  boost::asio::io_context io;
-  Rig rig(configuration, io, {});
-  Desk desk(io, rig.executive(),
-            GovernedRun{configuration.name,
-                        configuration.seed,
-                        "",
-                        {},
-                        rig.truth().state_quantities(),
-                        [&rig] { return rig.status(); },
-                        rig.faults()});
-  Ran ran;
-  for (const Request& request : requests) {
-    desk.carry_out(request,
-                   [&ran](const Reply& reply) { ran.answers.push_back(Json::parse(reply.json)); });
-  }
-  EXPECT_EQ(rig.executive().run_free(kStart + length).fault, std::nullopt);
-  for (const DeviceReport& device : rig.device_reports()) {
-    ran.streams[device.name] = device.statistics.hash.value();
-  }
-  return ran;
 }
 
 class RigFaultsOf : public testing::TestWithParam<std::string> {

@@ -8,7 +8,7 @@
 namespace rigwire::emulators {
 
 void visit(fields::Visitor& v, SupplySettings& p) {
-  v.duration("power_on", p.power_on, {0, 3'600'000'000'000},
+  v.duration("power_on", p.power_on, {0, 86'400'000'000'000},
              "When the supply comes, from the start of the run.");
 }
 

@@ -58,8 +58,7 @@ void visit(fields::Visitor& v, EngineControllerSettings& p) {
   visit(v, p.identification);
   v.duration("engine_hours", p.engine_hours, {0, 720'000'000'000'000'000},
              "Hours of the engine when the run begins.");
-  v.duration("power_on", p.supply.power_on, {0, 86'400'000'000'000},
-             "When the supply comes, from the start of the run.");
+  visit(v, p.supply);
   v.duration("processing_delay", p.processing_delay, {0, 5'000'000},
              "Time from an event to its frame.");
   v.duration("request_timeout", p.request_timeout, {10'000'000, 10'000'000'000},

@@ -117,8 +117,7 @@ void visit(fields::Visitor& v, IsoValveSettings& p) {
             "Section of the general-purpose valve, from 1; 0 = none.");
   v.duration("command_timeout", p.command_timeout, {100'000'000, 10'000'000'000},
              "Without a command for this long a valve goes to its fail-safe mode.");
-  v.duration("power_on", p.supply.power_on, {0, fields::kYear_ns},
-             "When the supply comes, from the start of the run.");
+  visit(v, p.supply);
   v.duration("processing_delay", p.processing_delay, {0, 4'000'000},
              "Time from an event to its frame.");
   v.rate("rate", p.sample_period, in("Hz").between(1, 1000),

@@ -57,8 +57,7 @@ void visit(fields::Visitor& v, VehicleGatewaySettings& p) {
   visit(v, p.name);
   v.boolean("arbitrary_address", p.arbitrary_address,
             "Takes another address when it loses its own; else it falls silent.");
-  v.duration("power_on", p.supply.power_on, {0, 86'400'000'000'000},
-             "When the supply comes, from the start of the run.");
+  visit(v, p.supply);
   v.duration("sensor_start_up", p.sensor_start_up, {0, 3'600'000'000'000},
              "From power-on to the first reading; not available until then.");
   v.duration("processing_delay", p.processing_delay, {0, 5'000'000},

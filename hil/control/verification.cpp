@@ -131,7 +131,8 @@ Verification verify_recording(const fs::path& folder, RunLog* log) {
                [] { return std::string(); },
                nullptr,
                nullptr,
-               &rig.hand()});
+               &rig.hand(),
+               &rig.settings()});
     for (const RecordedAct& command : recorded_commands(folder)) {
       desk.carry_out_at(command.at, command.text, "commands.log", [&, command](const Reply& reply) {
         if (reply.outcome != Reply::Outcome::done && reply.outcome != Reply::Outcome::ended) {

@@ -142,7 +142,8 @@ class GpsdClients : public testing::Test {
   [[nodiscard]] static std::string complaints(const std::string& log) {
     // Its own probes of other makers' receivers are answered as by the real device; it looks for a
     // bus of the desktop; it wants four packets a second; a client of its own may hang up unread.
-    static const std::regex harmless("NMEA unknown msg|DBUS|cycle-start detector|detaching|CLIENT:");
+    static const std::regex harmless(
+        "NMEA unknown msg|DBUS|cycle-start detector|detaching|CLIENT:");
     static const std::regex complaint(
         "not understood|unknown|bad |checksum|runt|invalid|WARN|ERROR|garbage|Bad Length",
         std::regex::icase);

@@ -295,8 +295,8 @@ TEST(CommandLine, the_pages_table_of_settings_is_the_programs) {
   }
   EXPECT_GT(rows.size(), 30U);
   std::set<std::vector<std::string>> used;
-  for (const DeviceType& type : device_types()) {
-    for (const LiveKey& key : type.fresh()->live_keys()) {
+  for (const auto& type : device_types()) {
+    for (const auto& key : type.fresh()->live_keys()) {
       const auto stands = [&](const std::vector<std::string>& row) {
         return row[0] == key.key && row[2] == key.by &&
                ::fnmatch(row[1].c_str(), std::string(type.named.name).c_str(), 0) == 0;

@@ -246,14 +246,16 @@ TEST_P(ReplayedDriveOf, AVehicleGivesItsDevicesOutputAgain) {
   const Ranges lidar = ranges("a", "b");
   print("lidar range, m", lidar.error);
   EXPECT_GT(lidar.points, 10'000U);
-  EXPECT_LE(lidar.error.greatest, kCount_m + 1e-9);
+  // A ray along the ground meets it elsewhere by much when the pose is rounded by little.
+  EXPECT_LE(lidar.error.greatest, 0.05);
+  EXPECT_LT(lidar.error.rms(), 1e-4);
   EXPECT_LT(lidar.apart, lidar.points / 10'000);
   const std::string body = "body";
   EXPECT_EQ(accelerations("a", "b", body).greatest, 0.0);
   const Json first = messages("a", TruthTrack::motion).back();
   const Json second = messages("b", TruthTrack::motion).back();
   EXPECT_EQ(first["vehicle"], second["vehicle"]) << "what the gateway measures";
-  EXPECT_GT(std::abs(first["vehicle"]["odometry"]["speed_mps"].get<double>()), 0.2) << "it drove";
+  EXPECT_GT(std::abs(first["vehicle"]["odometry_speed_mps"].get<double>()), 0.2) << "it drove";
   EXPECT_GT(state.at("commands without effect"), 0.0);
 }
 

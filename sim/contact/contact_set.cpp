@@ -22,10 +22,58 @@ constexpr double kLeastHeight_m = 0.3;
 // Of the ground under one point: a plate of 0.3 m radius on dense gravel, 2 a E / (1 - nu^2) with
 // 80 MPa (Boussinesq's rigid punch); an estimate.
 constexpr double kTerrain_npm = 5e7;
+// A body that is lower than this is looked at in each step; one that is higher, when the fastest
+// point has come a quarter of the way: the terrain may be steep.
+constexpr double kLow_m = 0.1;
+constexpr double kNoWall_m = 0.45;  // Of a drum that is not: after a tenth of a metre.
+constexpr double kRollsOver = 0.3;  // Cosine: 72 degrees round from a drum's lowest line.
 
 /// Half lengths, along the world's axes, of the box about a placed shape.
 Vector half_box(const ConvexShape& shape, const Eigen::Matrix3d& R) {
   return R.cwiseAbs() * shape.half_lengths_m();
+}
+
+// Whether around a drum, as far as it may come before this is asked again, any terrain rises so
+// high against `up_W` that it does not roll over it.
+bool wall_near(const Ground& ground, const ContactBody& body, const Eigen::Isometry3d& X_WS,
+               const Vector& up_W) {
+  constexpr double kApart_m = 0.1;
+  constexpr double kAhead_m = 0.15;
+  const double radius = body.shape.half_lengths_m().x();
+  const double half_length = body.shape.half_lengths_m().z();
+  const Vector axle_W = X_WS.linear().col(2);
+  const Vector ahead_W = axle_W.cross(up_W);
+  for (const double side : {-1.0, 0.0, 1.0}) {
+    const Vector middle = X_WS.translation() + side * half_length * axle_W;
+    for (double x = -radius - kAhead_m; x < radius + kAhead_m + kApart_m; x += kApart_m) {
+      Vector p = middle + x * ahead_W;
+      p.z() = ground.height_m(p.x(), p.y());
+      if ((p - middle).dot(up_W) > -(kRollsOver + 0.1) * radius) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// Square of the distance of p from the segment between a and b.
+double from_segment2(const Vector& p, const Vector& a, const Vector& b) {
+  const Vector way = b - a;
+  const double length2 = way.squaredNorm();
+  const double share = length2 > 0.0 ? std::clamp(way.dot(p - a) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - share * way).squaredNorm();
+}
+
+// A cylinder that rolls, and does not lie on an end.
+bool rolls_on(const ContactBody& body, const Eigen::Isometry3d& X_WS) {
+  constexpr double kOnItsSide = 0.5;  // Cosine between axle and vertical.
+  return body.rolls && std::abs(X_WS.linear()(2, 2)) < kOnItsSide;
+}
+
+// Whether a body whose machine knows what it stands on runs into this of the terrain.
+bool in_the_way(const ContactBody& body, const Eigen::Matrix3d& R_WL, const Vector& normal_W) {
+  constexpr double kSteep = 0.87;
+  return normal_W.dot(R_WL.col(2)) < (body.rolls ? kRollsOver : kSteep);
 }
 
 }  // namespace
@@ -60,7 +108,8 @@ ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const
   for (const std::vector<Vector>& surface : surface_m_) {
     most = std::max(most, surface.size());
   }
-  touches_.reserve(most + 1 + kMostFeaturePoints);
+  touches_.reserve(std::max(most + 1 + kMostFeaturePoints, kMostSidePlaces));
+  places_.reserve(kMostSidePlaces);
   for (const SoilParameters& soil : ground.soils()) {
     bearing_.emplace_back(soil);
   }
@@ -134,7 +183,16 @@ double ContactSet::move_others(double h, double fastest_mps) {
 
 /// The least height of the body's surface above the terrain.
 double ContactSet::above_terrain_m(const ContactBody& body, std::size_t index,
-                                   const Eigen::Isometry3d& X_WS) const {
+                                   const ContactLink& link) {
+  const Eigen::Isometry3d X_WS = link.X_WL * body.X_LS;
+  if (rolls_on(body, X_WS)) {  // Edges are between the points of its surface.
+    if (carried_ == Carried::by_model) {
+      return wall_near(*ground_, body, X_WS, link.X_WL.linear().col(2)) ? 0.0 : kNoWall_m;
+    }
+    nearest_on_side(*ground_, body.shape, X_WS, kLow_m, places_);
+    const auto nearest = std::ranges::min_element(places_, {}, &SidePlace::gap_m);
+    return nearest == places_.end() ? kLow_m : nearest->gap_m;
+  }
   double least = 1e300;
   for (const Vector& p_S : surface_m_[index]) {
     const Vector p = X_WS * p_S;
@@ -142,6 +200,11 @@ double ContactSet::above_terrain_m(const ContactBody& body, std::size_t index,
   }
   const Vector lowest = X_WS * body.shape.support(-X_WS.linear().row(2).transpose());
   return std::min(least, lowest.z() - ground_->height_m(lowest.x(), lowest.y()));
+}
+
+bool ContactSet::meets(const ContactBody& body, const ContactLink& link,
+                       const Vector& normal_W) const {
+  return carried_ != Carried::by_model || in_the_way(body, link.X_WL.linear(), normal_W);
 }
 
 void ContactSet::pair_up(std::uint32_t body, std::uint32_t obstacle) {
@@ -164,9 +227,6 @@ void ContactSet::pair_up(std::uint32_t body, std::uint32_t obstacle) {
 }
 
 void ContactSet::look(std::span<const ContactLink> links) {
-  // A body that is lower than this is looked at in each step; one that is higher, when the fastest
-  // point has come a quarter of the way: the terrain may be steep.
-  constexpr double kLow_m = 0.1;
   std::swap(pairs_, others_);
   pairs_.clear();
   travelled_m_ = 0.0;
@@ -202,8 +262,8 @@ void ContactSet::look(std::span<const ContactLink> links) {
         pair_up(i, fixed + j);
       }
     }
-    if (body.meets_terrain && !links[body.link].rests && carried_ != Carried::by_model) {
-      const double above = above_terrain_m(body, i, X_WS);
+    if (body.meets_terrain && !links[body.link].rests) {
+      const double above = above_terrain_m(body, i, links[body.link]);
       if (above < kLow_m) {
         pair_up(i, kTerrain);
       } else {
@@ -323,41 +383,54 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
   const Eigen::Isometry3d X_WS = link.X_WL * body.X_LS;
   const double arm = body.X_LS.translation().norm() + body.shape.reach_m();
   const double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
-  constexpr double kSame_m = 1e-4;    // A point of the surface found again.
-  constexpr double kDeeper_m = 5e-4;  // By so much another is deeper before it takes its place.
+  constexpr double kSame_m = 1e-4;      // A point of the surface found again.
+  constexpr double kSameSide_m = 0.02;  // And one of a side that rolls on.
+  constexpr double kDeeper_m = 5e-4;    // By so much another is deeper before it takes its place.
   constexpr double kApart_m = 0.02;
   constexpr double kLeastDepth_m = 2e-3;  // What touches has a patch.
   Met met;
   met.stiffness_npm = kTerrain_npm;
   // All that are near, and which of them were taken in the step before.
   touches_.clear();
+  const auto keep = [&](const Touch& found) {
+    if (!meets(body, link, found.normal_W)) {
+      return;
+    }
+    const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * found.p_W;
+    touches_.push_back({found, pair.memory.knows(p_L, body.rolls ? kSameSide_m : kSame_m)});
+  };
   const auto look_at = [&](const Vector& p) {
     const GroundPoint under = ground_->terrain_at(p.x(), p.y());
     const double gap = (p.z() - under.height_m) * under.normal_W.z();
-    if (gap > reach) {
-      return;
+    if (gap <= reach) {
+      keep({p, under.normal_W, gap, under.soil});
     }
-    met.friction = under.friction;
-    const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * p;
-    touches_.push_back({{p, under.normal_W, gap, under.soil}, pair.memory.knows(p_L, kSame_m)});
   };
-  for (const Vector& p_S : surface_m_[pair.body]) {
-    look_at(X_WS * p_S);
-  }
-  const GroundPoint under = ground_->terrain_at(X_WS.translation().x(), X_WS.translation().y());
-  const Vector down = X_WS.linear().transpose() * Vector(-under.normal_W);
-  look_at(X_WS * body.shape.support(down));
-  if (body.rolls) {  // The lowest of both rims: its outline has points between.
-    const Feature side = body.shape.feature(down);
-    for (std::size_t i = 0; i < side.count; ++i) {
-      look_at(X_WS * side.points[i]);
+  if (rolls_on(body, X_WS)) {
+    nearest_on_side(*ground_, body.shape, X_WS, reach, places_);
+    for (const SidePlace& place : places_) {
+      keep({place.p_W, place.normal_W, place.gap_m, place.under.soil});
+    }
+  } else {
+    for (const Vector& p_S : surface_m_[pair.body]) {
+      look_at(X_WS * p_S);
+    }
+    const GroundPoint under = ground_->terrain_at(X_WS.translation().x(), X_WS.translation().y());
+    const Vector down = X_WS.linear().transpose() * Vector(-under.normal_W);
+    look_at(X_WS * body.shape.support(down));
+    if (body.rolls) {  // The lowest of both rims: its outline has points between.
+      const Feature side = body.shape.feature(down);
+      for (std::size_t i = 0; i < side.count; ++i) {
+        look_at(X_WS * side.points[i]);
+      }
     }
   }
   if (touches_.empty()) {
     return pair.memory.part();
   }
   // The deepest; then those that press, then those that are near, by turns the one that is farthest
-  // from all taken. One of the step before stays until another is farther by two fifths.
+  // from the lines between all taken: what lies between two bears nothing that they do not. One of
+  // the step before stays until another is farther by two fifths.
   std::array<Touch, kManifoldPoints> touches;
   std::size_t count = 1;
   touches[0] = std::ranges::min_element(touches_, {}, [](const NearTouch& near) {
@@ -368,7 +441,10 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
     for (const NearTouch& near : touches_) {
       double nearest = 1e300;
       for (std::size_t i = 0; i < count; ++i) {
-        nearest = std::min(nearest, (near.touch.p_W - touches[i].p_W).squaredNorm());
+        for (std::size_t j = 0; j <= i; ++j) {
+          nearest =
+              std::min(nearest, from_segment2(near.touch.p_W, touches[i].p_W, touches[j].p_W));
+        }
       }
       const std::pair worth{near.touch.gap_m > 0.0 ? 0 : 1, (near.kept ? 2.0 : 1.0) * nearest};
       if (nearest > kApart_m * kApart_m && worth > best) {
@@ -380,6 +456,7 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
       break;
     }
   }
+  met.friction = ground_->soil(touches[0].soil).friction;
   // A drum or wheel that rolls on hard ground would plough it: there it is the spring's alone.
   if (!body.rolls || ground_->soil(touches[0].soil).soft) {
     met.soil = &bearing_[touches[0].soil];

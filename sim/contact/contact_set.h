@@ -20,12 +20,13 @@
 // into a contact where the body is not bent yet takes the dent with it, so that no spring is
 // pressed further than the contact's others: ploughing on costs what friction does.
 //
-// Bodies meet the terrain by points of their surface against its heights: the deepest, and up to
-// three more, as far apart as they are; those of the step before have the preference, so that what
-// lies on more than four comes to rest. Together they bear the pressure under which the soil fails
-// (soil_bearing.h) over the area in which the terrain cuts the body; beyond it the soil is pressed
-// in for good where the point is, and not where it goes from there. What a body is in when first
-// seen is pressed in already. What lies loose is met like obstacles (movers.h).
+// Bodies meet the terrain by points of their surface against its heights, what rolls by its whole
+// side (round_side.h): the deepest, and up to three more, as far apart as they are; those of the
+// step before have the preference, so that what lies on more than four comes to rest. Together they
+// bear the pressure under which the soil fails (soil_bearing.h) over the area in which the terrain
+// cuts the body; beyond it the soil is pressed in for good where the point is, and not where it
+// goes from there. What a body is in when first seen is pressed in already. What lies loose is met
+// like obstacles (movers.h).
 //
 // What an obstacle bears: Obstacle::strength_nm, a moment about its foot. Where the sum of the
 // points' horizontal forces times their heights would pass it, the obstacle gives way: it leans
@@ -53,6 +54,7 @@
 #include "sim/contact/dents.h"
 #include "sim/contact/movers.h"
 #include "sim/contact/pair_memory.h"
+#include "sim/contact/round_side.h"
 #include "sim/contact/soil_bearing.h"
 #include "sim/ground/ground.h"
 
@@ -97,7 +99,8 @@ struct ContactLink {
 /// Who holds a machine up.
 enum class Carried : std::uint8_t {
   by_wheels,  ///< What rolls is its own model's; the bodies that may meet the terrain.
-  by_model,   ///< So is what it stands on: no body meets the terrain.
+  by_model,   ///< So is what it stands on: of the terrain bodies meet what is in their way, more
+              ///< than 30 degrees against their link's z, 72 where they roll.
   by_contact  ///< Nobody else: what rolls meets what it could roll over, too, and the terrain.
 };
 
@@ -211,7 +214,10 @@ class ContactSet {
   void look(std::span<const ContactLink> links);
   void pair_up(std::uint32_t body, std::uint32_t obstacle);
   [[nodiscard]] double above_terrain_m(const ContactBody& body, std::size_t index,
-                                       const Eigen::Isometry3d& X_WS) const;
+                                       const ContactLink& link);
+  /// Whether a body meets terrain with this normal.
+  [[nodiscard]] bool meets(const ContactBody& body, const ContactLink& link,
+                           const Eigen::Vector3d& normal_W) const;
   void meet(Pair& pair, double h, std::span<const ContactLink> links);
   void meet_terrain(Pair& pair, double h, std::span<const ContactLink> links);
   void add_points(Pair& pair, double h, const ContactLink& link, std::span<const Touch> touches,
@@ -237,6 +243,7 @@ class ContactSet {
   std::vector<Pair> others_;  ///< The list of before, while a new one is made.
   std::vector<std::uint32_t> found_;
   std::vector<NearTouch> touches_;    ///< Of a body and the terrain.
+  std::vector<SidePlace> places_;     ///< Of a side that rolls.
   std::vector<SoilBearing> bearing_;  ///< Of each of the ground's soils.
   std::vector<ContactPoint> points_;
   std::vector<std::uint32_t> pair_of_;  ///< Of each point.

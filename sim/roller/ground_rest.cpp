@@ -24,6 +24,11 @@ RestMotion falling(const RollerParameters& p) {
           falling_radps2(p, p.pivot_x_m, p.pitch_inertia_kgm2)};
 }
 
+// Of a disc's circumference, to either side of its lowest point: what is steeper is not rolled
+// over.
+constexpr int kDiscSteps = 6;
+constexpr double kDiscStep_rad = 0.21;
+
 // A rate that speeds up towards `way` by no more than `most`; none that slows down.
 double held(double rate, double before, double most, double way) {
   if (way > 0.0) {
@@ -86,6 +91,114 @@ void GroundRest::climb(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB, 
       strip.slope = {-scale * n.dot(R_WB.col(0)), -scale * n.dot(R_WB.col(1))};
     }
   }
+}
+
+// A disc on the terrain in its plane of rolling: at an angle from its lowest point it is free when
+// it is lifted by (height - z) / up_z there.
+struct GroundRest::Disc {
+  const Ground* ground;
+  Eigen::Vector3d low_W;
+  Eigen::Vector3d up_W;
+  Eigen::Vector3d ahead_W;
+  double radius_m;
+
+  struct Place {
+    double angle_rad = 0.0;
+    double lift_m = -std::numeric_limits<double>::infinity();
+    GroundPoint point;
+  };
+
+  [[nodiscard]] Place at(double angle_rad) const {
+    const Eigen::Vector3d p_W =
+        low_W + radius_m * (std::sin(angle_rad) * ahead_W + (1.0 - std::cos(angle_rad)) * up_W);
+    const GroundPoint point = ground->terrain_at(p_W.x(), p_W.y());
+    return {angle_rad, (point.height_m - p_W.z()) / std::max(0.1, up_W.z()), point};
+  }
+  /// A few places all along, from behind to ahead.
+  [[nodiscard]] std::array<Place, 2 * kDiscSteps + 1> around() const {
+    std::array<Place, 2 * kDiscSteps + 1> places;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      places[i] = at(kDiscStep_rad * (static_cast<double>(i) - kDiscSteps));
+    }
+    return places;
+  }
+  /// Where it has to be lifted most between two angles, by golden section.
+  [[nodiscard]] Place most(double low_rad, double high_rad) const {
+    constexpr double kGolden = std::numbers::phi - 1.0;
+    constexpr int kRounds = 20;
+    Place left = at(high_rad - kGolden * (high_rad - low_rad));
+    Place right = at(low_rad + kGolden * (high_rad - low_rad));
+    for (int i = 0; i < kRounds; ++i) {
+      if (left.lift_m > right.lift_m) {
+        high_rad = right.angle_rad;
+        right = left;
+        left = at(high_rad - kGolden * (high_rad - low_rad));
+      } else {
+        low_rad = left.angle_rad;
+        left = right;
+        right = at(low_rad + kGolden * (high_rad - low_rad));
+      }
+    }
+    return left.lift_m > right.lift_m ? left : right;
+  }
+};
+
+void GroundRest::roll_over(const Disc& disc, const Eigen::Matrix3d& R_WB, double steer_rad,
+                           StripGround& strip) {
+  const auto around = disc.around();
+  Disc::Place touch;
+  for (std::size_t i = 1; i + 1 < around.size(); ++i) {
+    // From an edge to the next place it may fall by all the way between.
+    if (around[i].lift_m > around[i - 1].lift_m && around[i].lift_m >= around[i + 1].lift_m &&
+        around[i].lift_m > strip.gap_m - kDiscStep_rad * disc.radius_m) {
+      const Disc::Place found = disc.most(around[i - 1].angle_rad, around[i + 1].angle_rad);
+      touch = found.lift_m > touch.lift_m ? found : touch;
+    }
+  }
+  if (touch.lift_m <= strip.gap_m) {
+    return;
+  }
+  strip.gap_m = touch.lift_m;
+  strip.point = touch.point;
+  // Along its way the disc's own slope there, across it the terrain's.
+  const double c = std::cos(steer_rad);
+  const double s = std::sin(steer_rad);
+  const Eigen::Vector3d axle_W = c * R_WB.col(1) - s * R_WB.col(0);
+  const Eigen::Vector3d& n = strip.point.normal_W;
+  const double across = -n.dot(axle_W) / std::max(0.1, n.dot(disc.up_W));
+  strip.slope = std::tan(touch.angle_rad) * Eigen::Vector2d(c, s) + across * Eigen::Vector2d(-s, c);
+}
+
+// Edges come within reach as the drum moves on; until it has, what was seen holds.
+bool GroundRest::rough(std::size_t drum, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB) {
+  constexpr double kLookAfter_m = 0.1;
+  constexpr double kAhead_m = 0.25;
+  constexpr double kApart_m = 0.1;
+  constexpr double kExcess_m = 1e-4;
+  Seen& seen = seen_[drum];
+  const double heading = steer_rad_[drum];
+  Disc disc{ground_, Eigen::Vector3d::Zero(), R_WB.col(2),
+            std::cos(heading) * R_WB.col(0) + std::sin(heading) * R_WB.col(1), radius_m_};
+  const auto low_W = [&](std::size_t i) {
+    const Eigen::Vector2d& p_B = strips_[drum * drum_strips_ + i].p_B_m;
+    return Eigen::Vector3d(p_WB + p_B.x() * R_WB.col(0) + p_B.y() * R_WB.col(1));
+  };
+  const std::array<Eigen::Vector3d, 2> ends_W{low_W(0), low_W(drum_strips_ - 1)};
+  const double moved_m =
+      std::max((ends_W[0] - seen.ends_W[0]).norm(), (ends_W[1] - seen.ends_W[1]).norm());
+  if (moved_m < kLookAfter_m) {
+    return seen.rough;
+  }
+  seen = {ends_W, false};
+  for (std::size_t i = 0; i < drum_strips_ && !seen.rough; ++i) {
+    for (double shift_m = -kAhead_m; shift_m <= kAhead_m; shift_m += kApart_m) {
+      disc.low_W = low_W(i) + shift_m * disc.ahead_W;
+      const auto around = disc.around();
+      const auto most = std::ranges::max_element(around, {}, &Disc::Place::lift_m);
+      seen.rough = seen.rough || most->lift_m > around[kDiscSteps].lift_m + kExcess_m;
+    }
+  }
+  return seen.rough;
 }
 
 // Only the steering changes the places of the strips.
@@ -179,7 +292,14 @@ void GroundRest::look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
     const double scale = 1.0 / std::max(0.1, n.dot(R_WB.col(2)));
     strip.gap_m = (strip.point.height_m - p_W.z()) * n.z() * scale;
     strip.slope = {-scale * n.dot(R_WB.col(0)), -scale * n.dot(R_WB.col(1))};
-    climb(p_W, R_WB, steer_rad[i / drum_strips_], strip);
+    const std::size_t drum = i / drum_strips_;
+    if (rough(drum, p_WB, R_WB)) {
+      const double heading = steer_rad[drum];
+      roll_over({ground_, p_W, R_WB.col(2),
+                 std::cos(heading) * R_WB.col(0) + std::sin(heading) * R_WB.col(1), radius_m_},
+                R_WB, heading, strip);
+    }
+    climb(p_W, R_WB, steer_rad[drum], strip);
   }
   find_bearing(put_down);
   Eigen::Vector3d right = Eigen::Vector3d::Zero();

@@ -1,8 +1,9 @@
 // How the frame's plane lies on the ground under both drums: heave along its z, roll and pitch.
 //
-// A drum is round: an obstacle is felt along its arc, as the lift that frees each strip's disc from
-// it, so that a kerb raises the drum from where its edge first touches it. What rises above a
-// drum's axle is not climbed (sim/contact).
+// A drum is round: obstacles and edges of the terrain are felt along its arc, as the lift that
+// frees each strip's disc from them, so that a kerb raises the drum from where its edge first
+// touches it and a drum rolls over the edge that it leaves. What rises above a drum's axle, or 72
+// degrees round from its lowest line, is not climbed (sim/contact).
 //
 // Rigid drums rest on the terrain in the least-squares sense: the plane through the lowest lines of
 // the drums that fits the heights under all strips best which have ground under them: one that is
@@ -72,6 +73,12 @@ class GroundRest {
   void place_strips(const std::array<double, 2>& steer_rad);
   /// Which strips bear, and the normal equations of those.
   void find_bearing(bool put_down);
+  struct Disc;
+  static void roll_over(const Disc& disc, const Eigen::Matrix3d& R_WB, double steer_rad,
+                        StripGround& strip);
+  /// Whether the terrain within a drum's reach has edges; looked at again after 0.1 m of way.
+  [[nodiscard]] bool rough(std::size_t drum, const Eigen::Vector3d& p_WB,
+                           const Eigen::Matrix3d& R_WB);
   /// Obstacles beside the terrain under one strip at p_W: raises its gap and slopes.
   void climb(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB, double steer_rad,
              StripGround& strip) const;
@@ -89,6 +96,12 @@ class GroundRest {
   std::size_t count_;
   std::vector<std::uint32_t> near_;  ///< Obstacles within a radius of the drums.
   std::array<double, 2> steer_rad_{};
+  struct Seen {
+    std::array<Eigen::Vector3d, 2> ends_W{Eigen::Vector3d::Constant(1e300),
+                                          Eigen::Vector3d::Constant(1e300)};
+    bool rough = false;
+  };
+  std::array<Seen, 2> seen_;  ///< Of the drums.
   std::array<StripGround, kRollerStripsMax> strips_;
   RestMotion deviation_;
   bool stands_ = true;

@@ -250,7 +250,8 @@ TEST(RollerTipping, ADrumOverAnEdgeCarriesNothingAndTheMachineNosesDown) {
     machine.step(1ms);
   }
   ASSERT_TRUE(machine.tipped());
-  EXPECT_NEAR(position(machine).x(), 3.0 - 1.7, 0.4);
+  // It rolls about the edge until that is farther round than 2 to 1 from below its axle.
+  EXPECT_NEAR(position(machine).x(), 3.0 - 1.7 + 0.6 * std::sin(std::atan(2.0)), 0.1);
   machine.step(50ms);
   EXPECT_EQ(machine.drum_load_n(0), 0.0);
   EXPECT_GT(machine.drum_load_n(1), 1e4);
@@ -263,6 +264,95 @@ TEST(RollerTipping, ADrumOverAnEdgeCarriesNothingAndTheMachineNosesDown) {
   EXPECT_FALSE(machine.non_finite());
   EXPECT_LT(fastest, std::sqrt(2.0 * kGravity * 1.7));
   EXPECT_LT(frame(machine).X_WL.linear()(2, 0), -0.15);
+}
+
+/// Level up to x = 3 m, and from there so much higher.
+Ground stepped(double rise_m) {
+  return shaped([=](double x, double) { return x > 3.0 ? rise_m : 0.0; }, 0.1, {}, 0.8);
+}
+
+struct Passage {
+  bool fell = false;
+  double deepest_m = 0.0;
+  double most_mps2 = 0.0;
+};
+
+/// Drives at walking pace until it is beyond x = 12 m, or for 20 s.
+Passage drive_over(TandemRoller& machine) {
+  Passage passage;
+  machine.command(travel(0.8));
+  for (int i = 0; i < 20000 && position(machine).x() < 12.0; ++i) {
+    machine.step(1ms);
+    passage.fell = passage.fell || machine.tipped();
+    passage.deepest_m = std::max(passage.deepest_m, machine.contact_report()->deepest_m);
+    passage.most_mps2 = std::max(passage.most_mps2, frame(machine).a_WL_W.norm());
+  }
+  return passage;
+}
+
+TEST(RollerTipping, OverALowEdgeOfTheTerrainItsDrumsRoll) {
+  for (const double rise_m : {-0.4, -0.25, -0.1, 0.1, 0.2}) {
+    const Ground ground = stepped(rise_m);
+    TandemRoller machine({}, ground, {0.0, 0.0}, 0.0);
+    const Passage passage = drive_over(machine);
+    EXPECT_FALSE(passage.fell) << rise_m;
+    EXPECT_LT(passage.most_mps2, 8.0 * kGravity) << rise_m;
+    EXPECT_GT(position(machine).x(), 11.9) << rise_m;
+    EXPECT_NEAR(position(machine).z(), rise_m, 1e-3);
+  }
+}
+
+TEST(RollerTipping, OffAnEdgeItFallsRollsOnAndStandsAgain) {
+  for (const double drop_m : {0.5, 0.8, 1.0}) {
+    const Ground ground = stepped(-drop_m);
+    TandemRoller machine({}, ground, {0.0, 0.0}, 0.0);
+    const Passage passage = drive_over(machine);
+    EXPECT_TRUE(passage.fell) << drop_m;
+    EXPECT_FALSE(machine.tipped()) << drop_m;
+    EXPECT_NEAR(position(machine).z(), -drop_m, 2e-3);
+    EXPECT_NEAR(frame(machine).v_WL_W.norm(), 0.8, 0.01);
+    EXPECT_LT(passage.deepest_m, 0.02) << drop_m;
+  }
+}
+
+TEST(RollerTipping, ABankAheadStopsItAndItDrivesBack) {
+  for (const double rise_m : {0.6, 1.5, 2.5}) {
+    const Ground ground = stepped(rise_m);
+    TandemRoller machine({}, ground, {0.0, 0.0}, 0.0);
+    const Passage passage = drive_over(machine);
+    EXPECT_FALSE(passage.fell) << rise_m;
+    EXPECT_LT(passage.deepest_m, 0.02) << rise_m;
+    // A blow of 0.8 m/s within some milliseconds.
+    EXPECT_LT(passage.most_mps2, 15.0 * kGravity) << rise_m;
+    EXPECT_LT(frame(machine).v_WL_W.norm(), 1e-3);
+    // Its front drum's side at the bank.
+    const TandemRoller& m = machine;
+    EXPECT_NEAR(position(m).x(), 3.0 - m.parameters().pivot_x_m - m.parameters().drum.radius_m,
+                0.15);
+    EXPECT_TRUE(machine.contact_report()->terrain);
+    machine.command(travel(-0.8));
+    machine.step(6s);
+    EXPECT_LT(position(machine).x(), -1.0) << rise_m;
+    EXPECT_NEAR(position(machine).z(), 0.0, 1e-3);
+  }
+}
+
+TEST(RollerTipping, RollingOnWhileItHasTippedItDoesNotSink) {
+  // The front drum over the edge, the rear one on the level all the way.
+  const Ground ground = stepped(-0.8);
+  TandemRoller machine({}, ground, {0.0, 0.0}, 0.0);
+  machine.command(travel(0.8));
+  while (!machine.tipped() && position(machine).x() < 4.0) {
+    machine.step(1ms);
+  }
+  ASSERT_TRUE(machine.tipped());
+  double lowest_m = 0.0;
+  while (machine.tipped() && machine.links()[4].X_WL.translation().x() < 2.5) {
+    machine.step(1ms);
+    const double axle_m = machine.links()[4].X_WL.translation().z();
+    lowest_m = std::min(lowest_m, axle_m - machine.parameters().drum.radius_m);
+  }
+  EXPECT_GT(lowest_m, -5e-3);
 }
 
 TEST(RollerTipping, WithoutForcesItNeverTips) {

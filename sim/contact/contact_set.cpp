@@ -429,24 +429,31 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
     return pair.memory.part();
   }
   // The deepest; then those that press, then those that are near, by turns the one that is farthest
-  // from the lines between all taken: what lies between two bears nothing that they do not. One of
-  // the step before stays until another is farther by two fifths.
+  // from the lines between all taken, seen along the normal of the deepest: what lies between two
+  // bears nothing that they do not. Of two at one place the deeper one. One of the step before
+  // stays until another is farther by two fifths.
+  constexpr double kByDepth_m = 1e-3;
   std::array<Touch, kManifoldPoints> touches;
   std::size_t count = 1;
   touches[0] = std::ranges::min_element(touches_, {}, [](const NearTouch& near) {
                  return near.touch.gap_m - (near.kept ? kDeeper_m : 0.0);
                })->touch;
+  const Vector& deepest_W = touches[0].normal_W;
+  const auto level = [&](const Vector& p_W) {
+    return Vector(p_W - p_W.dot(deepest_W) * deepest_W);
+  };
   for (; count < kManifoldPoints; ++count) {
-    std::pair best{-1, 0.0};
+    std::pair best{-1, -1e300};
     for (const NearTouch& near : touches_) {
       double nearest = 1e300;
       for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
-          nearest =
-              std::min(nearest, from_segment2(near.touch.p_W, touches[i].p_W, touches[j].p_W));
+          nearest = std::min(nearest, from_segment2(level(near.touch.p_W), level(touches[i].p_W),
+                                                    level(touches[j].p_W)));
         }
       }
-      const std::pair worth{near.touch.gap_m > 0.0 ? 0 : 1, (near.kept ? 2.0 : 1.0) * nearest};
+      const std::pair worth{near.touch.gap_m > 0.0 ? 0 : 1,
+                            (near.kept ? 2.0 : 1.0) * nearest - kByDepth_m * near.touch.gap_m};
       if (nearest > kApart_m * kApart_m && worth > best) {
         best = worth;
         touches[count] = near.touch;

@@ -17,6 +17,9 @@
 #include "hil/rig/rig.h"
 #include "hil/world/sky.h"
 #include "sim/gnss/dilution.h"
+#include "sim/random.h"
+#include "sim/samples/gnss_carriers.h"
+#include "sim/scene/scene.h"
 
 namespace rigwire::bench {
 namespace {
@@ -24,6 +27,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSpeed_mps = 2.0;
+constexpr double kBase_m = 500.0;  ///< East of the origin, under an open sky.
 
 /// A sky that is the same everywhere.
 class SameSky final : public sim::Visibility {
@@ -39,6 +43,94 @@ class SameSky final : public sim::Visibility {
 
  private:
   Path path_;
+};
+
+/// A street of 24 m between blocks of 22 m, half as much to half as much again, some with alleys.
+class Canyon {
+ public:
+  static constexpr double kDriven_mps = 7.0;
+  static constexpr int kStretch_s = 12;  ///< Driven, after as long at a light.
+
+  explicit Canyon(int seconds) {
+    constexpr double kWidth_m = 24.0;
+    constexpr double kDepth_m = 12.0;
+    constexpr double kHeight_m = 22.0;
+    sim::RandomStream random(1, "street");
+    const double end_m = kDriven_mps * seconds + 60.0;
+    for (const double side : {-1.0, 1.0}) {
+      for (double along_m = -30.0; along_m < end_m;) {
+        const double length_m = random.uniform(20.0, 60.0);
+        const double height_m = kHeight_m * random.uniform(0.5, 1.5);
+        const double alley_m = random.uniform() < 0.5 ? random.uniform(3.0, 15.0) : 0.0;
+        Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+        X_WB.translation() << along_m + 0.5 * length_m, side * 0.5 * (kWidth_m + kDepth_m),
+            0.5 * height_m;
+        scene_.add_object(scene_.add_mesh(sim::make_box("block", {length_m, kDepth_m, height_m})),
+                          X_WB, 1.0, {.reflectance = 0.5, .label = "building"});
+        along_m += length_m + alley_m;
+      }
+    }
+  }
+
+  /// The scene as it is looked at from the antenna at that time.
+  const sim::Scene& at(SimTime time, const sim::LinkMotion& antenna) {
+    scene_.begin_slice(time, time + std::chrono::milliseconds{1}, antenna.X_WL.translation(), {});
+    return scene_;
+  }
+
+ private:
+  sim::Scene scene_;
+};
+
+/// A receiver of all systems on both bands, as a ZED-F9P has them.
+sim::GnssParameters two_band_receiver(sim::GnssParameters parameters) {
+  parameters.systems = {.gps = true, .glonass = true, .galileo = true, .beidou = true};
+  parameters.sky.maximum_channels = 60;
+  parameters.second_signals = true;
+  return parameters;
+}
+
+/// A reference station of the same sky and air as a rover's, whose corrections are a second old
+/// when the rover has them.
+class Base {
+ public:
+  Base(const sim::GnssParameters& rover, std::shared_ptr<const sim::Constellation> satellites,
+       const Calendar& calendar, const sim::LocalFrame& frame, std::uint64_t seed)
+      : sensor_(station(rover), std::move(satellites), calendar, frame, seed, "bench base") {
+    antenna_.X_WL.translation() << kBase_m, 0.0, 10.0;
+    const Vector3d place_E_m = frame.to_ecef(antenna_.X_WL.translation());
+    place_E_m_ = {place_E_m.x(), place_E_m.y(), place_E_m.z()};
+  }
+
+  /// What arrives: measured at the `time` before.
+  std::shared_ptr<const GnssCorrections> measure(SimTime time, bool floating_only) {
+    auto arrived = std::move(next_);
+    const GnssSample sample = sensor_.sample(time, antenna_, open_);
+    GnssCorrections corrections;
+    corrections.measured = time;
+    corrections.station_E_m = place_E_m_;
+    corrections.floating_only = floating_only;
+    for (const GnssMeasurement& m : sample.measurements) {
+      const double wavelength_m = sim::kLightSpeed_mps / carrier_hz(m.system, m.second, m.channel);
+      corrections.signals.push_back({m.system, m.number, m.second, m.pseudorange_m,
+                                     m.carrier_phase_cycles * wavelength_m, wavelength_m});
+    }
+    next_ = std::make_shared<const GnssCorrections>(std::move(corrections));
+    return arrived;
+  }
+
+ private:
+  static sim::GnssParameters station(sim::GnssParameters parameters) {
+    parameters.raw_measurements = true;
+    parameters.corrections.kind = sim::CorrectionKind::none;
+    return parameters;
+  }
+
+  sim::GnssSensor sensor_;
+  sim::LinkMotion antenna_;
+  Vector3 place_E_m_;
+  SameSky open_{[](const Vector3d&) { return sim::SkyPath{}; }};
+  std::shared_ptr<const GnssCorrections> next_;
 };
 
 double quantile(std::vector<double> values, double share) {
@@ -71,6 +163,7 @@ class Measured {
         truth_W;
     const double horizontal_m = error.head<2>().norm();
     errors_.push_back(horizontal_m);
+    over_dilution_m_.push_back(horizontal_m / sample.horizontal_dilution);
     squares_ += std::pow(horizontal_m / sample.horizontal_accuracy_m, 2);
     std::vector<Vector3d> directions;
     for (const SatelliteView& view : sample.satellites) {
@@ -98,6 +191,9 @@ class Measured {
     row_.error_over_accuracy = squares_ / static_cast<double>(errors_.size());
     row_.error_median_m = quantile(errors_, 0.5);
     row_.error_95_m = quantile(errors_, 0.95);
+    row_.over_dilution_50_m = quantile(over_dilution_m_, 0.50);
+    row_.over_dilution_68_m = quantile(over_dilution_m_, 0.68);
+    row_.over_dilution_95_m = quantile(over_dilution_m_, 0.95);
     row_.step_median_m = quantile(steps_, 0.5);
     row_.step_correlation = covariance_ / variance_;
     row_.dilution_ratio = quantile(ratios_, 0.5);
@@ -114,6 +210,7 @@ class Measured {
   double variance_ = 0.0;
   double covariance_ = 0.0;
   std::vector<double> errors_;
+  std::vector<double> over_dilution_m_;
   std::vector<double> steps_;
   std::vector<double> ratios_;
   std::optional<Vector3d> before_;
@@ -122,8 +219,8 @@ class Measured {
 
 }  // namespace
 
-std::vector<ModelError> measure_models(const hil::RigConfiguration& rig, int receivers,
-                                       int seconds) {
+std::vector<ModelError> measure_models(const hil::RigConfiguration& rig, int receivers, int seconds,
+                                       const ModelRow& wanted) {
   const hil::UbloxConfiguration* ublox = nullptr;
   for (const auto& [name, device] : rig.devices) {
     ublox = ublox == nullptr ? fields::as<hil::UbloxConfiguration>(device) : ublox;
@@ -149,7 +246,7 @@ std::vector<ModelError> measure_models(const hil::RigConfiguration& rig, int rec
   struct Model {
     const char* name;
     sim::ErrorModel errors;
-    std::optional<CarrierSolution> carrier;  // with corrections of a base 500 m away
+    std::optional<CarrierSolution> carrier;  // with corrections of a base station
   };
   constexpr std::array<Model, 5> kModels{
       {{"paper", sim::ErrorModel::paper, {}},
@@ -161,26 +258,31 @@ std::vector<ModelError> measure_models(const hil::RigConfiguration& rig, int rec
   std::vector<ModelError> rows;
   const auto measure = [&](const char* place, const auto& drive) {
     for (const Model& model : kModels) {
+      if (!wanted(place, model.name)) {
+        continue;
+      }
       ModelError row{.place = place, .model = model.name};
       Measured measured(row, frame, model.carrier);
       for (int i = 0; i < receivers; ++i) {
         sim::GnssParameters parameters = ublox->sensor;
         parameters.error_model = model.errors;
         parameters.raw_measurements = false;
-        if (model.carrier) {
-          // As a receiver of all systems has them, its cable never pulled.
-          parameters.corrections.kind = sim::CorrectionKind::assumed_rtk;
-          parameters.systems = {.gps = true, .glonass = true, .galileo = true, .beidou = true};
-          parameters.sky.maximum_channels = 60;
-          if (*model.carrier == CarrierSolution::floating) {
-            parameters.corrections.first_fix_s = seconds;
-          }
-        }
+        std::optional<Base> base;
         // A field of errors of its own for each, so that they are as good as so many days.
-        sim::GnssSensor sensor(parameters, satellites, calendar, frame,
-                               rig.seed + static_cast<std::uint64_t>(i), "bench");
+        const std::uint64_t seed = rig.seed + static_cast<std::uint64_t>(i);
+        if (model.carrier) {
+          parameters = two_band_receiver(parameters);
+          parameters.corrections.kind = sim::CorrectionKind::rtk;
+          base.emplace(parameters, satellites, calendar, frame, seed);
+        }
+        sim::GnssSensor sensor(parameters, satellites, calendar, frame, seed, "bench");
         measured.begin();
         drive([&](SimTime time, const sim::LinkMotion& antenna, const sim::Visibility& sky) {
+          if (base) {
+            GnssCommand command;
+            command.corrections = base->measure(time, model.carrier == CarrierSolution::floating);
+            sensor.command(command);
+          }
           const double before_s = hil::thread_cpu_seconds();
           const GnssSample sample = sensor.sample(time, antenna, sky);
           measured.add(sample, hil::thread_cpu_seconds() - before_s, antenna.X_WL.translation());
@@ -197,6 +299,18 @@ std::vector<ModelError> measure_models(const hil::RigConfiguration& rig, int rec
       }
     });
   }
+  Canyon canyon(seconds);
+  measure("canyon", [&](const auto& epoch) {
+    sim::LinkMotion antenna;
+    antenna.X_WL.translation() << 0.0, -2.0, 2.0;
+    for (int i = 0; i < seconds; ++i) {
+      const bool driven = i % (2 * Canyon::kStretch_s) >= Canyon::kStretch_s;
+      antenna.v_WL_W.x() = driven ? Canyon::kDriven_mps : 0.0;
+      antenna.X_WL.translation() += antenna.v_WL_W;
+      const SimTime time = kStart + std::chrono::seconds{i};
+      epoch(time, antenna, canyon.at(time, antenna));
+    }
+  });
   CarriedMachine machine(rig, kSpeed_mps);
   measure("campus", [&](const auto& epoch) {
     SimTime time = kStart;

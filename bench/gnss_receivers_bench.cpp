@@ -75,16 +75,14 @@ SampledLap sampled_lap(const hil::RigConfiguration& rig, int samples) {
 }
 
 ReceiverLoad measure_load(const hil::RigConfiguration& rig, const std::string& model,
-                          const sim::GnssParameters& parameters, int receivers, double rate_hz,
-                          int epochs) {
+                          const sim::GnssParameters& parameters, emulators::UbloxSettings settings,
+                          int receivers, double rate_hz, int epochs) {
   const hil::UbloxConfiguration& ublox = ublox_of(rig);
   const hil::SensorMount mount = hil::sensor_mount(rig.machine, ublox.mount);
   const sim::LocalFrame frame = hil::make_local_frame(rig.origin);
   const Calendar calendar(rig.start);
   const auto satellites = hil::make_satellites(rig.satellites, calendar);
-  emulators::UbloxSettings settings = ublox.receiver;
   settings.measurement_period = from_seconds(1.0 / rate_hz);
-  settings.baud = 230'400;
   settings.start_up = Duration{0};
   emulators::NullByteOutput silence;
   CarriedMachine machine(rig, kSpeed_mps);
@@ -169,13 +167,23 @@ std::vector<ReceiverLoad> measure_receivers(const hil::RigConfiguration& rig, in
   all.systems = {.gps = true, .glonass = true, .galileo = true, .beidou = true};
   all.second_signals = true;
   all.sky.maximum_channels = 72;
-  return {
-      measure_load(rig, "paper", paper, receivers, rate_hz, epochs),
-      measure_load(rig, "coloured", coloured, receivers, rate_hz, epochs),
-      measure_load(rig, "engine, no reflections", without_reflections, receivers, rate_hz, epochs),
-      measure_load(rig, "engine", engine, receivers, rate_hz, epochs),
-      measure_load(rig, "engine, raw", raw, receivers, rate_hz, epochs),
-      measure_load(rig, "engine, raw, all signals", all, receivers, rate_hz, epochs)};
+  emulators::UbloxSettings own = ublox_of(rig).receiver;
+  own.baud = 230'400;
+  emulators::UbloxSettings f9p;
+  f9p.profile = &emulators::ublox_zed_f9p();
+  f9p.baud = 921'600;
+  f9p.nmea_sentences = own.nmea_sentences;
+  f9p.ubx_messages = {"NAV-PVT", "RXM-RAWX", "RXM-SFRBX"};
+  const auto load = [&](const char* model, const sim::GnssParameters& parameters,
+                        const emulators::UbloxSettings& settings) {
+    return measure_load(rig, model, parameters, settings, receivers, rate_hz, epochs);
+  };
+  return {load("paper", paper, own),
+          load("coloured", coloured, own),
+          load("engine, no reflections", without_reflections, own),
+          load("engine", engine, own),
+          load("engine, raw", raw, own),
+          load("engine, ZED-F9P, RAWX, SFRBX", all, f9p)};
 }
 
 }  // namespace rigwire::bench

@@ -77,7 +77,7 @@ void sampling_table(std::ostream& text, nlohmann::json& json, const hil::RigConf
 }
 
 void receiver_table(std::ostream& text, nlohmann::json& json, const hil::RigConfiguration& rig) {
-  const Table table(text, {{"errors", "<22"},
+  const Table table(text, {{"errors", "<30"},
                            {"receivers", ">9"},
                            {"Hz", ">6"},
                            {"sensor us", ">10"},
@@ -99,8 +99,11 @@ void model_table(std::ostream& text, nlohmann::json& json, const hil::RigConfigu
                            {"epoch us", ">9"},
                            {"fixes", ">7"},
                            {"error m", ">8"},
-                           {"95 % m", ">7"},
-                           {"step m", ">7"},
+                           {"95 % m", ">8"},
+                           {"/HDOP 50 %", ">11"},
+                           {"68 %", ">8"},
+                           {"95 %", ">8"},
+                           {"step m", ">8"},
                            {"lag 1", ">6"},
                            {"err2/acc2", ">10"},
                            {"HDOP ratio", ">11"}});
@@ -109,9 +112,12 @@ void model_table(std::ostream& text, nlohmann::json& json, const hil::RigConfigu
     json["models"].push_back(table.row(
         {word("place", c.place), word("model", c.model), number("epoch_us", c.epoch_us, "{:.1f}"),
          number("fixes", c.fixes, "{:.1f}%", 100.0),
-         number("error_median_m", c.error_median_m, "{:.2f}"),
-         number("error_95_m", c.error_95_m, "{:.1f}"),
-         number("step_median_m", c.step_median_m, "{:.3f}"),
+         number("error_median_m", c.error_median_m, "{:.3g}"),
+         number("error_95_m", c.error_95_m, "{:.3g}"),
+         number("over_dilution_50_m", c.over_dilution_50_m, "{:.3g}"),
+         number("over_dilution_68_m", c.over_dilution_68_m, "{:.3g}"),
+         number("over_dilution_95_m", c.over_dilution_95_m, "{:.3g}"),
+         number("step_median_m", c.step_median_m, "{:.2g}"),
          number("step_correlation", c.step_correlation, "{:.2f}"),
          number("error_over_accuracy", c.error_over_accuracy, "{:.2f}"),
          number("dilution_ratio", c.dilution_ratio, "{:.2f}")}));

@@ -41,15 +41,15 @@ const UbloxCorrectionSignal* signal_of(rtcm3::MsmSystem system, std::uint8_t num
 }
 
 void add(GnssCorrections& epoch, const UbloxCorrectionSignal& signal, std::uint8_t number,
-         std::optional<int> channel, const rtcm3::SignalObservation& o) {
+         std::optional<int> channel, const rtcm3::SignalObservation& o, double modulus_m = 0.0) {
   // The first code on a carrier counts.
   const bool there = std::ranges::any_of(epoch.signals, [&](const GnssCorrections::Signal& s) {
     return s.system == signal.system && s.number == number && s.second == signal.second;
   });
   if (!there && (o.range_m || o.phase_m)) {
     epoch.signals.push_back({signal.system, number, signal.second, o.range_m.value_or(kNone),
-                             o.phase_m.value_or(kNone),
-                             wavelength_m(signal, channel).value_or(0.0)});
+                             o.phase_m.value_or(kNone), wavelength_m(signal, channel).value_or(0.0),
+                             modulus_m});
   }
 }
 
@@ -198,8 +198,9 @@ bool UbloxCorrectionInput::take(const rtcm3::LegacyObservations& m, SimTime now)
       continue;
     }
     const std::optional<int> channel = s.channel;  // of GLONASS; the others have none
-    add(*epoch, *signal_of(system, kFirst), s.number, channel, s.first);
-    add(*epoch, *signal_of(system, kSecond), s.number, channel, s.second);
+    const double modulus_m = m.extended ? 0.0 : rtcm3::legacy_modulus_m(m.glonass);
+    add(*epoch, *signal_of(system, kFirst), s.number, channel, s.first, modulus_m);
+    add(*epoch, *signal_of(system, kSecond), s.number, channel, s.second, modulus_m);
   }
   if (!m.more) {
     close();

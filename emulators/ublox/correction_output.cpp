@@ -31,13 +31,15 @@ constexpr std::uint8_t kTimingOf4072 = 0xFD;  // 4072.1 is not published, and no
 
 struct Observed {
   rtcm3::MsmSystem system;
-  bool full;
+  rtcm3::MsmForm form;
 };
 std::optional<Observed> observed(std::uint16_t number) {
   constexpr std::array<std::uint16_t, 4> kBases{1070, 1080, 1090, 1120};
   for (std::size_t i = 0; i < kBases.size(); ++i) {
-    if (number == kBases[i] + 4 || number == kBases[i] + 7) {
-      return Observed{static_cast<rtcm3::MsmSystem>(i), number == kBases[i] + 7};
+    for (const rtcm3::MsmForm form : {rtcm3::MsmForm::four, rtcm3::MsmForm::seven}) {
+      if (number == kBases[i] + static_cast<int>(form)) {
+        return Observed{static_cast<rtcm3::MsmSystem>(i), form};
+      }
     }
   }
   return std::nullopt;
@@ -56,7 +58,7 @@ rtcm3::MultipleSignals signals(const UbloxCorrectionContent& content, const Obse
   constexpr std::int64_t kMillisecond_ns = 1'000'000;
   rtcm3::MultipleSignals p;
   p.system = wanted.system;
-  p.full = wanted.full;
+  p.form = wanted.form;
   p.station = content.station;
   p.epoch = rtcm3::msm_epoch(
       p.system, static_cast<std::uint32_t>(content.measured.time_of_week_ns / kMillisecond_ns),

@@ -122,7 +122,8 @@ void walk_moving(Bits& bits, Record& p) {
   }
 }
 
-// 1004 and 1012: tables 3.5-2 to 3.5-5 and 3.5-9 to 3.5-13. What differs between the two is data.
+// 1001 to 1004 and 1009 to 1012: tables 3.5-1 to 3.5-5 and 3.5-9 to 3.5-13. What differs between
+// the systems is data; a message is of one or two carriers, and extended or not.
 
 struct LegacyForm {
   unsigned time_bits;
@@ -131,8 +132,11 @@ struct LegacyForm {
   unsigned modulus_bits;
   double modulus_m;  ///< ... which is counted.
 };
-constexpr LegacyForm kGps{30, 0, 24, 8, kLightMillisecond_m};
-constexpr LegacyForm kGlonass{27, 5, 25, 7, 2.0 * kLightMillisecond_m};
+constexpr LegacyForm kGps{30, 0, 24, 8, legacy_modulus_m(false)};
+constexpr LegacyForm kGlonass{27, 5, 25, 7, legacy_modulus_m(true)};
+const LegacyForm& form_of(const LegacyObservations& p) {
+  return p.glonass ? kGlonass : kGps;
+}
 
 constexpr double kRangeStep_m = 0.02;
 constexpr double kPhaseStep_m = 0.0005;
@@ -159,7 +163,8 @@ void walk_lock(Bits& bits, std::uint32_t& lock) {
   bits.whole(7, lock);
 }
 
-LegacyObservations::Satellite read_satellite(BitReader& bits, const LegacyForm& form) {
+LegacyObservations::Satellite read_satellite(BitReader& bits, const LegacyObservations& p) {
+  const LegacyForm& form = form_of(p);
   LegacyObservations::Satellite s;
   std::int64_t channel = 0;
   std::int64_t phase = 0;
@@ -178,28 +183,36 @@ LegacyObservations::Satellite read_satellite(BitReader& bits, const LegacyForm& 
   bits.count(kPhaseBits, phase);
   walk_lock(bits, lock);
   s.first.locked_s = legacy_lock_s(lock);
-  bits.whole(form.modulus_bits, modulus);
-  bits.scaled(8, Sign::none, kCn0Step, s.first.cn0_dbhz);
+  if (p.extended) {
+    bits.whole(form.modulus_bits, modulus);
+    bits.scaled(8, Sign::none, kCn0Step, s.first.cn0_dbhz);
+  }
   const double range_m = modulus * form.modulus_m + within_m;
   s.first.range_m = range_m;
   const auto from_range = [&](std::optional<double> difference_m) {
     return difference_m ? std::optional(range_m + *difference_m) : std::nullopt;
   };
   s.first.phase_m = from_range(value_of(phase, kPhaseStep_m, kNoPhase));
+  if (!p.second_band) {
+    return s;
+  }
 
   bits.whole(2, s.second_code);
   bits.count(kSecondRangeBits, second_range);
   bits.count(kPhaseBits, second_phase);
   walk_lock(bits, lock);
   s.second.locked_s = legacy_lock_s(lock);
-  bits.scaled(8, Sign::none, kCn0Step, s.second.cn0_dbhz);
+  if (p.extended) {
+    bits.scaled(8, Sign::none, kCn0Step, s.second.cn0_dbhz);
+  }
   s.second.range_m = from_range(value_of(second_range, kRangeStep_m, kNoSecondRange));
   s.second.phase_m = from_range(value_of(second_phase, kPhaseStep_m, kNoPhase));
   return s;
 }
 
 void write_satellite(BitWriter& bits, const LegacyObservations::Satellite& s,
-                     const LegacyForm& form) {
+                     const LegacyObservations& p) {
+  const LegacyForm& form = form_of(p);
   const double range_m = *s.first.range_m;
   auto modulus = static_cast<std::uint32_t>(std::floor(range_m / form.modulus_m));
   std::int64_t within =
@@ -223,13 +236,20 @@ void write_satellite(BitWriter& bits, const LegacyObservations::Satellite& s,
   bits.whole(form.range_bits, within);
   bits.count(kPhaseBits, count_or(beyond(s.first.phase_m), kPhaseStep_m, kNoPhase));
   bits.whole(7, legacy_lock_count(s.first.locked_s));
-  bits.whole(form.modulus_bits, modulus);
-  bits.scaled(8, Sign::none, kCn0Step, s.first.cn0_dbhz);
+  if (p.extended) {
+    bits.whole(form.modulus_bits, modulus);
+    bits.scaled(8, Sign::none, kCn0Step, s.first.cn0_dbhz);
+  }
+  if (!p.second_band) {
+    return;
+  }
   bits.whole(2, s.second_code);
   bits.count(kSecondRangeBits, count_or(beyond(s.second.range_m), kRangeStep_m, kNoSecondRange));
   bits.count(kPhaseBits, count_or(beyond(s.second.phase_m), kPhaseStep_m, kNoPhase));
   bits.whole(7, legacy_lock_count(s.second.locked_s));
-  bits.scaled(8, Sign::none, kCn0Step, s.second.cn0_dbhz);
+  if (p.extended) {
+    bits.scaled(8, Sign::none, kCn0Step, s.second.cn0_dbhz);
+  }
 }
 
 /// A range that its message can carry.
@@ -248,26 +268,22 @@ void walk_head(Bits& bits, Record& p, const LegacyForm& form, std::size_t& count
   bits.whole(3, p.smoothing);
 }
 
-Message read_legacy(BitReader& bits, bool glonass) {
-  const LegacyForm& form = glonass ? kGlonass : kGps;
-  LegacyObservations p;
-  p.glonass = glonass;
-  walk_head(bits, p, form, p.count);
+void read_legacy(BitReader& bits, LegacyObservations& p) {
+  walk_head(bits, p, form_of(p), p.count);
   for (std::size_t i = 0; i < p.count && !bits.short_of(); ++i) {
-    p.satellites[i] = read_satellite(bits, form);
+    p.satellites[i] = read_satellite(bits, p);
   }
-  return p;
 }
 
 void write(BitWriter& bits, const LegacyObservations& p) {
-  const LegacyForm& form = p.glonass ? kGlonass : kGps;
+  const LegacyForm& form = form_of(p);
   const auto satellites = std::span(p.satellites).first(p.count);
   auto told = static_cast<std::size_t>(
       std::ranges::count_if(satellites, [&](const auto& s) { return can_be_told(s, form); }));
   walk_head(bits, p, form, told);
   for (const LegacyObservations::Satellite& s : satellites) {
     if (can_be_told(s, form)) {
-      write_satellite(bits, s, form);
+      write_satellite(bits, s, p);
     }
   }
 }
@@ -287,11 +303,28 @@ void write(BitWriter& bits, const MultipleSignals& p) {
 
 constexpr std::uint16_t kPosition = 1005;
 constexpr std::uint16_t kPositionAndHeight = 1006;
-constexpr std::uint16_t kGpsLegacy = 1004;
-constexpr std::uint16_t kGlonassLegacy = 1012;
+constexpr std::uint16_t kGpsLegacy = 1001;
+constexpr std::uint16_t kGlonassLegacy = 1009;
+constexpr std::uint16_t kLegacyExtended = 1;  // added to these
+constexpr std::uint16_t kLegacySecondBand = 2;
 constexpr std::uint16_t kDescriptors = 1033;
 constexpr std::uint16_t kBiases = 1230;
 constexpr std::uint16_t kProprietary = 4072;
+
+/// Nothing: another message.
+std::optional<LegacyObservations> legacy_of(std::uint16_t number) {
+  for (const bool glonass : {false, true}) {
+    const int kind = number - (glonass ? kGlonassLegacy : kGpsLegacy);
+    if (kind >= 0 && kind <= kLegacyExtended + kLegacySecondBand) {
+      LegacyObservations p;
+      p.glonass = glonass;
+      p.extended = (kind & kLegacyExtended) != 0;
+      p.second_band = (kind & kLegacySecondBand) != 0;
+      return p;
+    }
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -308,10 +341,12 @@ std::uint16_t number_of(const Message& message) {
     std::uint16_t operator()(const GlonassBiases& /*p*/) const { return kBiases; }
     std::uint16_t operator()(const StationDescriptors& /*p*/) const { return kDescriptors; }
     std::uint16_t operator()(const LegacyObservations& p) const {
-      return p.glonass ? kGlonassLegacy : kGpsLegacy;
+      return static_cast<std::uint16_t>((p.glonass ? kGlonassLegacy : kGpsLegacy) +
+                                        (p.extended ? kLegacyExtended : 0) +
+                                        (p.second_band ? kLegacySecondBand : 0));
     }
     std::uint16_t operator()(const MultipleSignals& p) const {
-      return number_of_multiple_signals(p.system, p.full);
+      return number_of_multiple_signals(p.system, p.form);
     }
     std::uint16_t operator()(const MovingBase& /*p*/) const { return kProprietary; }
   };
@@ -327,10 +362,6 @@ Decoded<Message> decode_message(std::span<const std::uint8_t> payload) {
     case kPosition:
     case kPositionAndHeight:
       message = read_position(bits, number == kPositionAndHeight);
-      break;
-    case kGpsLegacy:
-    case kGlonassLegacy:
-      message = read_legacy(bits, number == kGlonassLegacy);
       break;
     case kDescriptors:
       if (!read_descriptors(bits, message.emplace().emplace<StationDescriptors>())) {
@@ -350,10 +381,14 @@ Decoded<Message> decode_message(std::span<const std::uint8_t> payload) {
       break;
     }
     default:
+      if (const auto legacy = legacy_of(number)) {
+        read_legacy(bits, message.emplace().emplace<LegacyObservations>(*legacy));
+        break;
+      }
       if (const auto form = multiple_signals_of(number)) {
         auto& signals = message.emplace().emplace<MultipleSignals>();
         signals.system = form->system;
-        signals.full = form->full;
+        signals.form = form->form;
         if (!read_multiple_signals(bits, signals)) {
           return Malformed{"RTCM 3 masks of satellites and signals", kNumberBits / 8};
         }

@@ -89,7 +89,7 @@ struct StationDescriptors {
 struct SignalObservation {
   std::optional<double> range_m;   ///< Pseudorange.
   std::optional<double> phase_m;   ///< Carrier phase times wavelength; grows with the range.
-  std::optional<double> rate_mps;  ///< Of the phase; in MSM7 only.
+  std::optional<double> rate_mps;  ///< Of the phase; in MSM5 and MSM7 only.
   double locked_s = 0.0;           ///< At least so long without a slip.
   bool half_cycle = false;         ///< The phase may be off by half a cycle; MSM only.
   double cn0_dbhz = 0.0;           ///< 0: not said.
@@ -97,7 +97,9 @@ struct SignalObservation {
   friend bool operator==(const SignalObservation&, const SignalObservation&) = default;
 };
 
-/// 1004 GPS, 1012 GLONASS: both carriers, extended.
+/// 1001 to 1004 GPS, 1009 to 1012 GLONASS: one carrier or both, each extended or not. What is not
+/// extended has no strengths, and ranges, and with them the phases, are known but for whole
+/// multiples of a light millisecond, of GLONASS two: it is read as less than one of these.
 struct LegacyObservations {
   struct Satellite {
     std::uint8_t number = 0;       ///< DF009 (40 .. are SBAS), DF038.
@@ -112,6 +114,8 @@ struct LegacyObservations {
   static constexpr std::size_t kGreatest = 31;
 
   bool glonass = false;
+  bool second_band = true;
+  bool extended = true;
   std::uint16_t station = 0;
   std::uint32_t time_ms = 0;  ///< GPS: of week. GLONASS: of day, Moscow time.
   bool more = false;          ///< Other systems' observations of that time follow (DF005).
@@ -122,6 +126,11 @@ struct LegacyObservations {
 
   friend bool operator==(const LegacyObservations&, const LegacyObservations&) = default;
 };
+
+/// What ranges of messages that are not extended are known to.
+[[nodiscard]] constexpr double legacy_modulus_m(bool glonass) {
+  return (glonass ? 2.0 : 1.0) * kLightMillisecond_m;
+}
 
 enum class MsmSystem : std::uint8_t { gps, glonass, galileo, beidou };
 
@@ -137,7 +146,11 @@ inline constexpr std::uint8_t kBeidou2I = 2;
 inline constexpr std::uint8_t kBeidou7I = 14;
 }  // namespace msm_signal
 
-/// 1074, 1084, 1094, 1124 (MSM4) and 1077, 1087, 1097, 1127 (MSM7).
+/// MSM4: ranges, phases; MSM5: and range rates; MSM7: all of that, finer. The value is the last
+/// digit of the message's number.
+enum class MsmForm : std::uint8_t { four = 4, five = 5, seven = 7 };
+
+/// 1074, 1084, 1094, 1124 (MSM4), 1075, 1085, 1095, 1125 (MSM5) and 1077, 1087, 1097, 1127 (MSM7).
 struct MultipleSignals {
   struct Cell {
     std::uint8_t satellite = 0;  ///< 1 .. 64.
@@ -149,7 +162,7 @@ struct MultipleSignals {
   static constexpr std::size_t kGreatest = 64;  ///< Cells, and satellites times signals.
 
   MsmSystem system = MsmSystem::gps;
-  bool full = true;  ///< MSM7, not MSM4.
+  MsmForm form = MsmForm::seven;
   std::uint16_t station = 0;
   std::uint32_t epoch =
       0;                   ///< DF004, DF248, DF427, or day and time of day of GLONASS; msm_epoch().
@@ -161,7 +174,7 @@ struct MultipleSignals {
   std::uint8_t smoothing = 0;
   std::size_t count = 0;
   /// By satellite, then signal; satellites times signals at most kGreatest, of a satellite at
-  /// least one with a range. MSM7 of GLONASS: the channels of `channels`.
+  /// least one with a range. MSM5 and MSM7 of GLONASS: the channels of `channels`.
   std::array<Cell, kGreatest> cells{};
   /// By satellite less 1, -7 .. 7; empty: not said.
   std::array<std::optional<std::int8_t>, kGreatest> channels{};
@@ -201,8 +214,8 @@ std::size_t encode(const Message& message, std::span<std::uint8_t> out);
                                                                std::uint32_t epoch,
                                                                int leap_seconds);
 
-/// Lock times as messages count them: DF013 (older), DF402 (MSM4), DF407 (MSM7). The counts grow
-/// with the time, the times are the least of a count.
+/// Lock times as messages count them: DF013 (older), DF402 (MSM4, MSM5), DF407 (MSM7). The counts
+/// grow with the time, the times are the least of a count.
 [[nodiscard]] std::uint32_t legacy_lock_count(double locked_s);
 [[nodiscard]] double legacy_lock_s(std::uint32_t count);
 [[nodiscard]] std::uint32_t msm4_lock_count(double locked_s);

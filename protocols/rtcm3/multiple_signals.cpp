@@ -7,12 +7,10 @@
 namespace rigwire::protocols::rtcm3 {
 namespace {
 
-constexpr std::uint16_t kMsm4 = 4;
-constexpr std::uint16_t kMsm7 = 7;
 /// In the order of MsmSystem.
 constexpr std::array<std::uint16_t, 4> kBases{1070, 1080, 1090, 1120};
 
-// What MSM4 and MSM7 differ in, RTCM 10403.3 tables 3.5-80 to 3.5-88 and the fields they name.
+// What the forms differ in, RTCM 10403.3 tables 3.5-80 to 3.5-88 and the fields they name.
 struct Width {
   unsigned bits;
   double step;  ///< Of ranges: light milliseconds.
@@ -26,9 +24,14 @@ struct Form {
   Width cn0;
   std::uint32_t (*lock_count)(double);
   double (*lock_s)(std::uint32_t);
+  bool rates;  ///< And with them what else is said of a satellite.
 };
-constexpr Form kForm4{{15, 0x1p-24}, {22, 0x1p-29}, 4, {6, 1.0}, msm4_lock_count, msm4_lock_s};
-constexpr Form kForm7{{20, 0x1p-29}, {24, 0x1p-31}, 10, {10, 0x1p-4}, msm7_lock_count, msm7_lock_s};
+constexpr Form kForm4{{15, 0x1p-24},   {22, 0x1p-29}, 4,    {6, 1.0},
+                      msm4_lock_count, msm4_lock_s,   false};
+constexpr Form kForm5{{15, 0x1p-24},   {22, 0x1p-29}, 4,   {6, 1.0},
+                      msm4_lock_count, msm4_lock_s,   true};
+constexpr Form kForm7{{20, 0x1p-29},   {24, 0x1p-31}, 10,  {10, 0x1p-4},
+                      msm7_lock_count, msm7_lock_s,   true};
 constexpr Width kRoughRate{14, 1.0};
 constexpr Width kFineRate{15, 1e-4};
 
@@ -77,31 +80,31 @@ void walk_head(Bits& bits, Record& p) {
 
 /// Each field for all satellites, then the next one.
 template <class Bits, class RoughSpan>
-void walk_rough(Bits& bits, RoughSpan rough, bool full) {
+void walk_rough(Bits& bits, RoughSpan rough, bool rates) {
   for (auto& r : rough) bits.whole(8, r.range_ms);
   for (auto& r : rough) {
-    if (full) bits.whole(4, r.extended);
+    if (rates) bits.whole(4, r.extended);
   }
   for (auto& r : rough) bits.whole(10, r.fraction);
   for (auto& r : rough) {
-    if (full) bits.count(kRoughRate.bits, r.rate_mps);
+    if (rates) bits.count(kRoughRate.bits, r.rate_mps);
   }
 }
 
 template <class Bits, class FineSpan>
-void walk_fine(Bits& bits, FineSpan fine, const Form& form, bool full) {
+void walk_fine(Bits& bits, FineSpan fine, const Form& form) {
   for (auto& f : fine) bits.count(form.range.bits, f.range);
   for (auto& f : fine) bits.count(form.phase.bits, f.phase);
   for (auto& f : fine) bits.whole(form.lock_bits, f.lock);
   for (auto& f : fine) bits.flag(f.half_cycle);
   for (auto& f : fine) bits.scaled(form.cn0.bits, Sign::none, form.cn0.step, f.cn0_dbhz);
   for (auto& f : fine) {
-    if (full) bits.count(kFineRate.bits, f.rate);
+    if (form.rates) bits.count(kFineRate.bits, f.rate);
   }
 }
 
 const Form& form_of(const MultipleSignals& p) {
-  return p.full ? kForm7 : kForm4;
+  return p.form == MsmForm::seven ? kForm7 : p.form == MsmForm::five ? kForm5 : kForm4;
 }
 
 std::int64_t count_of(std::optional<double> value, const Width& width) {
@@ -138,8 +141,7 @@ Fine fine_of(const SignalObservation& o, const Rough& rough, const Form& form) {
   return fine;
 }
 
-SignalObservation observation_of(const Fine& fine, const Rough& rough, const Form& form,
-                                 bool full) {
+SignalObservation observation_of(const Fine& fine, const Rough& rough, const Form& form) {
   SignalObservation o;
   o.range_m =
       put_together(fine.range, form.range, rough.has_range(), rough.range(), kLightMillisecond_m);
@@ -148,7 +150,7 @@ SignalObservation observation_of(const Fine& fine, const Rough& rough, const For
   o.locked_s = form.lock_s(fine.lock);
   o.half_cycle = fine.half_cycle;
   o.cn0_dbhz = fine.cn0_dbhz;
-  if (full) {
+  if (form.rates) {
     o.rate_mps = put_together(fine.rate, kFineRate, rough.has_rate(),
                               static_cast<double>(rough.rate_mps), 1.0);
   }
@@ -177,7 +179,7 @@ Rough rough_of(std::uint8_t satellite, const MultipleSignals& p) {
       rough.rate_mps = count_of(o.rate_mps, kRoughRate);
     }
   }
-  if (p.full && p.system == MsmSystem::glonass) {
+  if (form_of(p).rates && p.system == MsmSystem::glonass) {
     const auto channel = p.channels[satellite - 1U];
     rough.extended = channel ? static_cast<std::uint8_t>(*channel + kChannelOffset) : kNoChannel;
   }
@@ -204,16 +206,16 @@ std::uint64_t bit_of(unsigned number, unsigned bits) {
 
 }  // namespace
 
-std::uint16_t number_of_multiple_signals(MsmSystem system, bool full) {
+std::uint16_t number_of_multiple_signals(MsmSystem system, MsmForm form) {
   return static_cast<std::uint16_t>(kBases[static_cast<std::size_t>(system)] +
-                                    (full ? kMsm7 : kMsm4));
+                                    static_cast<std::uint16_t>(form));
 }
 
 std::optional<MultipleSignalsForm> multiple_signals_of(std::uint16_t number) {
   for (std::size_t i = 0; i < kBases.size(); ++i) {
-    for (const std::uint16_t form : {kMsm4, kMsm7}) {
-      if (number == kBases[i] + form) {
-        return MultipleSignalsForm{static_cast<MsmSystem>(i), form == kMsm7};
+    for (const MsmForm form : {MsmForm::four, MsmForm::five, MsmForm::seven}) {
+      if (number == number_of_multiple_signals(static_cast<MsmSystem>(i), form)) {
+        return MultipleSignalsForm{static_cast<MsmSystem>(i), form};
       }
     }
   }
@@ -246,13 +248,14 @@ bool read_multiple_signals(BitReader& bits, MultipleSignals& p) {
     }
   }
   std::array<Rough, kSatelliteBits> rough{};
-  walk_rough(bits, std::span(rough).first(satellite_count), p.full);
+  walk_rough(bits, std::span(rough).first(satellite_count), form_of(p).rates);
   std::array<Fine, MultipleSignals::kGreatest> fine{};
-  walk_fine(bits, std::span(fine).first(p.count), form_of(p), p.full);
+  walk_fine(bits, std::span(fine).first(p.count), form_of(p));
   for (std::size_t i = 0; i < p.count; ++i) {
-    p.cells[i].observation = observation_of(fine[i], rough[row[i]], form_of(p), p.full);
+    p.cells[i].observation = observation_of(fine[i], rough[row[i]], form_of(p));
   }
-  for (std::size_t i = 0; p.full && p.system == MsmSystem::glonass && i < satellite_count; ++i) {
+  const bool channels = form_of(p).rates && p.system == MsmSystem::glonass;
+  for (std::size_t i = 0; channels && i < satellite_count; ++i) {
     if (rough[i].extended <= 2 * kChannelOffset) {
       p.channels[satellites[i] - 1U] = static_cast<std::int8_t>(rough[i].extended - kChannelOffset);
     }
@@ -297,8 +300,8 @@ void write_multiple_signals(BitWriter& bits, const MultipleSignals& p) {
       }
     }
   }
-  walk_rough(bits, std::span<const Rough>(rough).first(satellite_count), p.full);
-  walk_fine(bits, std::span<const Fine>(fine).first(count), form_of(p), p.full);
+  walk_rough(bits, std::span<const Rough>(rough).first(satellite_count), form_of(p).rates);
+  walk_fine(bits, std::span<const Fine>(fine).first(count), form_of(p));
 }
 
 }  // namespace rigwire::protocols::rtcm3

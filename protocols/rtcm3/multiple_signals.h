@@ -12,10 +12,10 @@ namespace rigwire::protocols::rtcm3 {
 
 struct MultipleSignalsForm {
   MsmSystem system;
-  bool full;
+  MsmForm form;
 };
 
-[[nodiscard]] std::uint16_t number_of_multiple_signals(MsmSystem system, bool full);
+[[nodiscard]] std::uint16_t number_of_multiple_signals(MsmSystem system, MsmForm form);
 /// Nothing: another message.
 [[nodiscard]] std::optional<MultipleSignalsForm> multiple_signals_of(std::uint16_t number);
 

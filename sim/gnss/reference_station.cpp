@@ -51,6 +51,31 @@ std::optional<std::size_t> ReferenceStation::index_of(const GnssCorrections::Sig
              : std::optional(static_cast<std::size_t>(found - satellites.begin()));
 }
 
+/// Whole milliseconds of light where they are not told: by what the claimed place predicts, with
+/// the clock that the first satellite shows.
+void ReferenceStation::put_milliseconds(const Eigen::Vector3d& claimed_E_m, const GpsTime& time) {
+  if (std::ranges::all_of(rows_, [](const Row& row) { return row.signal->modulus_m == 0.0; })) {
+    return;
+  }
+  const ReceptionPoint point = at(time, claimed_E_m, 0.0);
+  std::optional<double> clock_m;
+  for (Row& row : rows_) {
+    const SignalPath path = signal_path(*constellation_, row.index, point);
+    const double off_m =
+        row.range_m -
+        (path.range_m + kLightSpeed_mps * (path.group_delay_s - path.satellite_clock_s));
+    const double modulus_m = row.signal->modulus_m;
+    if (!clock_m) {
+      clock_m = modulus_m > 0.0 ? std::remainder(off_m, modulus_m) : off_m;
+    }
+    if (modulus_m > 0.0) {
+      const double missing_m = *clock_m + std::remainder(off_m - *clock_m, modulus_m) - off_m;
+      row.range_m += missing_m;
+      row.phase_m += missing_m;
+    }
+  }
+}
+
 /// Place and clock by least squares (Gauss and Newton) from what rows_ have; the worst one is left
 /// out while it contradicts the rest.
 std::optional<ReferenceStation::Fit> ReferenceStation::fit_code(const Eigen::Vector3d& start_E_m,
@@ -68,9 +93,9 @@ std::optional<ReferenceStation::Fit> ReferenceStation::fit_code(const Eigen::Vec
         const SignalPath path = signal_path(*constellation_, row.index, point);
         const KnownDelay delay = delay_of(row.index, fit.p_E_m, path.direction_E);
         row.residual_m =
-            row.signal->range_m - (path.range_m + fit.clock_m + delay.common_m +
-                                   ionosphere_share(*row.signal) * delay.ionosphere_m +
-                                   kLightSpeed_mps * (path.group_delay_s - path.satellite_clock_s));
+            row.range_m - (path.range_m + fit.clock_m + delay.common_m +
+                           ionosphere_share(*row.signal) * delay.ionosphere_m +
+                           kLightSpeed_mps * (path.group_delay_s - path.satellite_clock_s));
         Eigen::Vector4d line;
         line << -path.direction_E, 1.0;
         normal += line * line.transpose();
@@ -119,7 +144,7 @@ bool ReferenceStation::bears_out(const Eigen::Vector3d& p_E_m, const Fit& fit, c
   };
   double sum_m = 0.0;
   for (const Row& row : rows_) {
-    sum_m += row.signal->range_m - predict(row, true);
+    sum_m += row.range_m - predict(row, true);
   }
   clock_m = sum_m / static_cast<double>(rows_.size());
 
@@ -129,8 +154,8 @@ bool ReferenceStation::bears_out(const Eigen::Vector3d& p_E_m, const Fit& fit, c
     std::vector<double> cycles;
     for (const Row& row : rows_) {
       const GnssCorrections::Signal& signal = *row.signal;
-      if (signal.system == system && signal.wavelength_m > 0.0 && std::isfinite(signal.phase_m)) {
-        cycles.push_back((signal.phase_m - predict(row, false)) / signal.wavelength_m);
+      if (signal.system == system && signal.wavelength_m > 0.0 && std::isfinite(row.phase_m)) {
+        cycles.push_back((row.phase_m - predict(row, false)) / signal.wavelength_m);
       }
     }
     if (cycles.size() < 2) {
@@ -160,10 +185,11 @@ void ReferenceStation::take(const GnssCorrections& corrections, const GpsTime& t
   for (const GnssCorrections::Signal& signal : corrections.signals) {
     if (const auto index = index_of(signal);
         index && !signal.second && std::isfinite(signal.range_m)) {
-      rows_.push_back({*index, &signal});
+      rows_.push_back({*index, &signal, signal.range_m, signal.phase_m});
     }
   }
   const Eigen::Vector3d claimed_E_m = to_eigen(corrections.station_E_m);
+  put_milliseconds(claimed_E_m, time);
   const auto fit = fit_code(claimed_E_m, time, delay_of);
   if (!fit) {
     return;

@@ -12,6 +12,9 @@
 //             place by code. Nothing else lets an ambiguity be fixed: slipped, garbled or foreign
 //             carriers do not.
 //
+// Ranges that are told but for whole milliseconds of light (RTCM 1001, 1003, 1009, 1011) are put
+// together by the place that the station claims, its clock within half a millisecond.
+//
 // A station that claims a place where it is not moves every rover that trusts it; claim_error_E_m
 // is by how much. Without carriers that bear a place out it is the error by code, averaged over a
 // minute.
@@ -68,6 +71,8 @@ class ReferenceStation {
   struct Row {
     std::size_t index = 0;
     const GnssCorrections::Signal* signal = nullptr;
+    double range_m = 0.0;  ///< As told, with the milliseconds that were missing.
+    double phase_m = 0.0;
     double residual_m = 0.0;
   };
   struct Fit {
@@ -76,6 +81,7 @@ class ReferenceStation {
   };
 
   [[nodiscard]] std::optional<std::size_t> index_of(const GnssCorrections::Signal& signal) const;
+  void put_milliseconds(const Eigen::Vector3d& claimed_E_m, const GpsTime& time);
   [[nodiscard]] std::optional<Fit> fit_code(const Eigen::Vector3d& start_E_m, const GpsTime& time,
                                             const DelayOf& delay_of);
   [[nodiscard]] bool bears_out(const Eigen::Vector3d& p_E_m, const Fit& fit, const GpsTime& time,

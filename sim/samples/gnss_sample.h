@@ -88,6 +88,8 @@ struct GnssCorrections {
     double range_m = 0.0;       ///< Pseudorange; NaN: none.
     double phase_m = 0.0;       ///< Carrier phase times wavelength; NaN: none.
     double wavelength_m = 0.0;  ///< 0: not known, as of GLONASS without its channel.
+    /// Range and phase are known but for whole multiples of this; 0: in full.
+    double modulus_m = 0.0;
   };
   SimTime measured{};   ///< By GPS time.
   Vector3 station_E_m;  ///< Where it says it is, earth-fixed, of the antenna's reference point.

@@ -6,6 +6,7 @@
 
 #include "emulators/ublox/receiver.h"
 #include "protocols/nmea/sentence.h"
+#include "protocols/rtcm3/message.h"
 #include "protocols/ubx/configuration_keys.h"
 #include "protocols/ubx/navigation.h"
 #include "protocols/ubx/raw_measurements.h"
@@ -14,8 +15,10 @@
 namespace rigwire::hil {
 namespace {
 
+namespace rtcm3 = protocols::rtcm3;
 namespace ubx = protocols::ubx;
 using namespace std::chrono_literals;
+using Bytes = std::vector<std::uint8_t>;
 using Keys = std::vector<std::pair<std::string_view, std::uint64_t>>;
 
 constexpr std::uint64_t kSeed = 7;
@@ -110,7 +113,6 @@ class CausalRtk : public ::testing::Test {
     return all.empty() ? M{} : ubx::read_payload<M>(all.back());
   }
 
-  using Bytes = std::vector<std::uint8_t>;
   Calendar calendar_{parse_utc("2026-06-01T08:00:00Z")};
   sim::LocalFrame frame_{sim::LocalFrameParameters{}};
   std::shared_ptr<sim::AntennaBook> antennas_ = std::make_shared<sim::AntennaBook>();
@@ -336,6 +338,107 @@ TEST_F(CausalRtk, MovingBaseGivesHeading) {
   }
   ASSERT_GT(headings, 200U);
   EXPECT_LT(std::sqrt(squares_deg2 / static_cast<double>(headings)), 1.5);
+}
+
+/// The same observations as another station's older software has them: 1001 to 1004, 1009 to 1012,
+/// or MSM5. Other messages stay what they are.
+Bytes as_older(const rtcm3::FrameView& frame, bool multiple, bool second_band, bool extended) {
+  auto message = *rtcm3::decode_message(frame.payload);
+  auto* const signals = std::get_if<rtcm3::MultipleSignals>(&message);
+  if (signals != nullptr && multiple) {
+    signals->form = rtcm3::MsmForm::five;
+  } else if (signals != nullptr) {
+    constexpr std::uint32_t kOfDay = (1U << 27U) - 1U;
+    rtcm3::LegacyObservations older;
+    older.glonass = signals->system == rtcm3::MsmSystem::glonass;
+    older.second_band = second_band;
+    older.extended = extended;
+    older.station = signals->station;
+    older.time_ms = older.glonass ? signals->epoch & kOfDay : signals->epoch;
+    older.more = signals->more;
+    for (const auto& cell : std::span(signals->cells).first(signals->count)) {
+      if (older.count == 0 || older.satellites[older.count - 1].number != cell.satellite) {
+        auto& s = older.satellites[older.count++];
+        s.number = cell.satellite;
+        s.channel = signals->channels[cell.satellite - 1U].value_or(0);
+        s.first = cell.observation;
+      } else {
+        older.satellites[older.count - 1].second = cell.observation;
+      }
+    }
+    message = older;
+  }
+  Bytes bytes(rtcm3::kGreatestFrame);
+  bytes.resize(rtcm3::encode(message, bytes));
+  return bytes;
+}
+
+// Integration manual, table 6: all of them are taken. Without milliseconds of light in their ranges
+// (1001, 1003, 1009, 1011) the receiver puts these in by what it knows of the orbits.
+TEST_F(CausalRtk, OlderObservationsAreUsedLikeThoseOfToday) {
+  parameters_.corrections.convergence_s = 0.1;
+  parameters_.second_signals = true;
+  struct Case {
+    const char* name;
+    bool glonass;
+    bool multiple;
+    bool second_band;
+    bool extended;
+  };
+  constexpr std::array kCases{
+      Case{"1001", false, false, false, false}, Case{"1002", false, false, false, true},
+      Case{"1003", false, false, true, false},  Case{"1004", false, false, true, true},
+      Case{"1009", true, false, false, false},  Case{"1010", true, false, false, true},
+      Case{"1011", true, false, true, false},   Case{"1012", true, false, true, true},
+      Case{"MSM5", false, true, true, true}};
+  const Eigen::Vector3d base_W(30.0, 0.0, 2.0);
+  for (const Case& c : kCases) {
+    SCOPED_TRACE(c.name);
+    antennas_ = std::make_shared<sim::AntennaBook>();
+    settings_.uart2_messages = {"RTCM-1005", c.glonass ? "RTCM-1087" : "RTCM-1077"};
+    auto base = make("base", standing_at(base_W));
+    settings_.uart2_messages = {};
+    base->receiver.advance(kStart + 900ms);
+    const auto rover = make("rover", standing_at({0.0, 0.0, 2.0}));
+    base->wire.to = rover.get();
+    base->wire.rewrite = [&c](const rtcm3::FrameView& frame) {
+      return as_older(frame, c.multiple, c.second_band, c.extended);
+    };
+    fix_at(*base, base_W);
+    SimTime fixed = kNever;
+    run_until({base.get(), rover.get()}, kStart + 65s, [&](SimTime now) {
+      fixed = rover->latest.carrier == CarrierSolution::fixed ? std::min(fixed, now) : fixed;
+    });
+    const auto one = last<ubx::RxmRtcm>(*rover);
+    EXPECT_EQ(one.flags, 2 << 1) << "used";
+    EXPECT_TRUE(rover->latest.differential);
+    if (c.glonass) {  // its carriers are not looked at
+      EXPECT_EQ(rover->latest.carrier, CarrierSolution::floating);
+      continue;
+    }
+    // GPS alone: three times the shortest 4 s with two bands, and four times that with one.
+    ASSERT_EQ(rover->latest.carrier, CarrierSolution::fixed);
+    EXPECT_GT(fixed, kStart + (c.second_band ? 14s : 50s));
+    EXPECT_LT(fixed, kStart + (c.second_band ? 20s : 56s));
+    EXPECT_LT((place_of(rover->latest) - Eigen::Vector3d(0.0, 0.0, 2.0)).norm(), 0.08);
+  }
+}
+
+TEST_F(CausalRtk, AnAntennasNameIsCountedAndNotUsed) {
+  const auto rover = make("rover", standing_at({0.0, 0.0, 2.0}));
+  rover->receiver.advance(kStart + 900ms);
+  // 1007: station 2003, antenna "ADVNULLANTENNA", set-up 0.
+  constexpr std::array<std::uint8_t, 19> payload{0x3E, 0xF7, 0xD3, 14,  'A', 'D', 'V',
+                                                 'N',  'U',  'L',  'L', 'A', 'N', 'T',
+                                                 'E',  'N',  'N',  'A', 0};
+  Bytes frame(payload.size() + rtcm3::kHeaderBytes + rtcm3::kChecksumBytes);
+  rtcm3::encode_frame(payload, frame);
+  rover->receiver.receive(kStart + 900ms, frame);
+  run_until({rover.get()}, kStart + 3s);
+  const auto one = last<ubx::RxmRtcm>(*rover);
+  EXPECT_EQ(one.message, 1007);
+  EXPECT_EQ(one.station, 2003);
+  EXPECT_EQ(one.flags, 1 << 1);
 }
 
 TEST_F(CausalRtk, SameSeedSameBytes) {

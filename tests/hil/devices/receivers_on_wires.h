@@ -14,6 +14,7 @@
 
 #include "emulators/ublox/receiver.h"
 #include "protocols/nmea/sentence.h"
+#include "protocols/rtcm3/frame.h"
 #include "protocols/ubx/frame.h"
 #include "sim/gnss/antenna_book.h"
 #include "sim/gnss/gnss_sensor.h"
@@ -48,12 +49,24 @@ class ReceiverOnWires {
   /// What it says on its second, on its way.
   struct Wire final : emulators::ByteOutput {
     void send(SimTime due, std::span<const std::uint8_t> bytes) override {
-      if (to != nullptr && !cut) {
+      if (to == nullptr || cut) {
+        return;
+      }
+      if (!rewrite) {
         waiting.emplace_back(due, std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+        return;
+      }
+      begun.insert(begun.end(), bytes.begin(), bytes.end());
+      if (const auto frame = protocols::rtcm3::decode_frame(begun); frame.ok()) {
+        waiting.emplace_back(due, rewrite(*frame));
+        begun.erase(begun.begin(), begun.begin() + static_cast<std::ptrdiff_t>(frame.consumed()));
       }
     }
     ReceiverOnWires* to = nullptr;
     bool cut = false;
+    /// What stands on the wire in a message's place; empty: the message itself.
+    std::function<std::vector<std::uint8_t>(const protocols::rtcm3::FrameView&)> rewrite;
+    std::vector<std::uint8_t> begun;
     std::deque<std::pair<SimTime, std::vector<std::uint8_t>>> waiting;
   };
 

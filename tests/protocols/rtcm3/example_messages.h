@@ -25,11 +25,13 @@ inline SignalObservation example_observation(int satellite, int signal) {
           .cn0_dbhz = 31.0 + satellite + 4.0 * signal};
 }
 
-inline MultipleSignals example_signals(MsmSystem system, bool full,
+inline constexpr std::array kForms{MsmForm::four, MsmForm::five, MsmForm::seven};
+
+inline MultipleSignals example_signals(MsmSystem system, MsmForm form,
                                        std::initializer_list<std::uint8_t> signals) {
   MultipleSignals p;
   p.system = system;
-  p.full = full;
+  p.form = form;
   p.station = kExampleStation;
   p.epoch = msm_epoch(system, kExampleTime_ms, kExampleLeapSeconds);
   p.more = system != MsmSystem::beidou;
@@ -38,19 +40,19 @@ inline MultipleSignals example_signals(MsmSystem system, bool full,
     for (const std::uint8_t signal : signals) {
       p.cells[p.count++] = {satellite, signal, example_observation(satellite, number++)};
     }
-    if (system == MsmSystem::glonass && full) {
+    if (system == MsmSystem::glonass && form != MsmForm::four) {
       p.channels[satellite - 1U] = static_cast<std::int8_t>(satellite % 13 - 6);
     }
   }
   return p;
 }
 
-inline std::vector<MultipleSignals> example_systems(bool full) {
+inline std::vector<MultipleSignals> example_systems(MsmForm form) {
   using namespace msm_signal;
-  return {example_signals(MsmSystem::gps, full, {kGps1C, kGps2L}),
-          example_signals(MsmSystem::glonass, full, {kGlonass1C, kGlonass2C}),
-          example_signals(MsmSystem::galileo, full, {kGalileo1C, kGalileo7Q}),
-          example_signals(MsmSystem::beidou, full, {kBeidou2I, kBeidou7I})};
+  return {example_signals(MsmSystem::gps, form, {kGps1C, kGps2L}),
+          example_signals(MsmSystem::glonass, form, {kGlonass1C, kGlonass2C}),
+          example_signals(MsmSystem::galileo, form, {kGalileo1C, kGalileo7Q}),
+          example_signals(MsmSystem::beidou, form, {kBeidou2I, kBeidou7I})};
 }
 
 inline AntennaPosition example_position() {
@@ -71,9 +73,12 @@ inline StationDescriptors example_descriptors() {
   return p;
 }
 
-inline LegacyObservations example_legacy(bool glonass) {
+inline LegacyObservations example_legacy(bool glonass, bool second_band = true,
+                                         bool extended = true) {
   LegacyObservations p;
   p.glonass = glonass;
+  p.second_band = second_band;
+  p.extended = extended;
   p.station = kExampleStation;
   p.time_ms = glonass ? kExampleTime_ms - 18'000 + 3 * 3'600'000 : kExampleTime_ms;
   p.more = !glonass;

@@ -86,13 +86,14 @@ void expect_observation(const SignalObservation& read, const SignalObservation& 
 
 // Half a step of each field: 2^-24 and 2^-29 ms of light are 17.9 and 0.56 mm.
 TEST(Rtcm3Message, SignalsComeBackToHalfAStep) {
-  for (const bool full : {false, true}) {
-    for (const MultipleSignals& written : example_systems(full)) {
+  for (const MsmForm form : kForms) {
+    const bool full = form == MsmForm::seven;
+    for (const MultipleSignals& written : example_systems(form)) {
       const auto message = read(framed(written));
       ASSERT_TRUE(message.ok());
       const auto& p = std::get<MultipleSignals>(*message);
       EXPECT_EQ(p.system, written.system);
-      EXPECT_EQ(p.full, full);
+      EXPECT_EQ(p.form, form);
       EXPECT_EQ(p.station, written.station);
       EXPECT_EQ(p.epoch, written.epoch);
       EXPECT_EQ(p.more, written.more);
@@ -104,7 +105,7 @@ TEST(Rtcm3Message, SignalsComeBackToHalfAStep) {
         const double step_m = kLightMillisecond_m * (full ? 0x1p-29 : 0x1p-24);
         const double phase_step_m = kLightMillisecond_m * (full ? 0x1p-31 : 0x1p-29);
         expect_observation(p.cells[i].observation, written.cells[i].observation, 0.51 * step_m,
-                           0.51 * phase_step_m, full, full ? 0.04 : 0.51);
+                           0.51 * phase_step_m, form != MsmForm::four, full ? 0.04 : 0.51);
       }
       EXPECT_EQ(framed(p), framed(*message)) << "what was read is written as it came";
       EXPECT_EQ(framed(p).size(), framed(written).size());
@@ -113,7 +114,7 @@ TEST(Rtcm3Message, SignalsComeBackToHalfAStep) {
 }
 
 TEST(Rtcm3Message, ValuesThatAreNotThereOrDoNotFitAreNotThere) {
-  MultipleSignals p = example_signals(MsmSystem::gps, true, {msm_signal::kGps1C});
+  MultipleSignals p = example_signals(MsmSystem::gps, MsmForm::seven, {msm_signal::kGps1C});
   p.cells[0].observation.range_m.reset();
   p.cells[1].observation.phase_m = *p.cells[1].observation.range_m + 2'000.0;
   p.cells[2].observation.rate_mps.reset();
@@ -131,7 +132,7 @@ TEST(Rtcm3Message, ValuesThatAreNotThereOrDoNotFitAreNotThere) {
 
 // Satellites times signals are at most 64: of 40 satellites with two signals 32 stay.
 TEST(Rtcm3Message, MoreThanSixtyFourCellsAreNotWritten) {
-  MultipleSignals p = example_signals(MsmSystem::gps, true, {});
+  MultipleSignals p = example_signals(MsmSystem::gps, MsmForm::seven, {});
   for (std::uint8_t satellite = 1; satellite <= 32; ++satellite) {
     for (const std::uint8_t signal : std::to_array<std::uint8_t>({2, 16})) {
       p.cells[p.count++] = {satellite, signal, example_observation(1, 0)};
@@ -180,6 +181,52 @@ TEST(Rtcm3Message, OlderObservationsComeBackToHalfAStep) {
   }
 }
 
+// 1001, 1003, 1009, 1011: no milliseconds of light, no strengths; 1001, 1002, 1009, 1010: L1 alone.
+TEST(Rtcm3Message, OlderObservationsOfLessContentHaveWhatTheirNumberSays) {
+  struct Case {
+    bool glonass;
+    bool second_band;
+    bool extended;
+    std::uint16_t number;
+    std::size_t head_bits;
+    std::size_t satellite_bits;
+  };
+  constexpr std::array kCases{
+      Case{false, false, false, 1001, 64, 58}, Case{false, false, true, 1002, 64, 74},
+      Case{false, true, false, 1003, 64, 101}, Case{true, false, false, 1009, 61, 64},
+      Case{true, false, true, 1010, 61, 79},   Case{true, true, false, 1011, 61, 107}};
+  for (const Case& c : kCases) {
+    SCOPED_TRACE(c.number);
+    const LegacyObservations written = example_legacy(c.glonass, c.second_band, c.extended);
+    EXPECT_EQ(number_of(written), c.number);
+    const Bytes bytes = framed(written);
+    EXPECT_EQ(bytes.size(), 6U + (c.head_bits + 3U * c.satellite_bits + 7U) / 8U);
+    const auto message = read(bytes);
+    ASSERT_TRUE(message.ok());
+    const auto& p = std::get<LegacyObservations>(*message);
+    EXPECT_EQ(number_of(p), c.number);
+    ASSERT_EQ(p.count, written.count);
+    for (std::size_t i = 0; i < p.count; ++i) {
+      const auto& s = p.satellites[i];
+      const auto& w = written.satellites[i];
+      EXPECT_EQ(s.channel, w.channel);
+      const double modulus_m = legacy_modulus_m(c.glonass);
+      const double missing_m =
+          c.extended ? 0.0 : modulus_m * std::floor(*w.first.range_m / modulus_m);
+      ASSERT_TRUE(s.first.range_m && s.first.phase_m);
+      EXPECT_NEAR(*s.first.range_m, *w.first.range_m - missing_m, 0.0101);
+      EXPECT_NEAR(*s.first.phase_m, *w.first.phase_m - missing_m, 2.6e-4);
+      EXPECT_NEAR(s.first.cn0_dbhz, c.extended ? w.first.cn0_dbhz : 0.0, 0.126);
+      EXPECT_EQ(s.second.range_m.has_value(), c.second_band);
+      if (c.second_band) {
+        EXPECT_NEAR(*s.second.range_m, *w.second.range_m - missing_m, 0.0201);
+        EXPECT_NEAR(*s.second.phase_m, *w.second.phase_m - missing_m, 2.6e-4);
+      }
+    }
+    EXPECT_EQ(framed(p), bytes);
+  }
+}
+
 TEST(Rtcm3Message, OwnMovingBaseComesBackAndAForeignOneIsNotRead) {
   const MovingBase written{.station = 77,
                            .time_of_week_ms = 123'456'789,
@@ -203,11 +250,17 @@ TEST(Rtcm3Message, OwnMovingBaseComesBackAndAForeignOneIsNotRead) {
 }
 
 TEST(Rtcm3Message, EveryMessageCutShortIsMalformed) {
-  std::vector<Message> all{example_position(),    example_legacy(false),
-                           example_legacy(true),  GlonassBiases{.biases_m = {1.0, 2.0, 3.0, 4.0}},
+  std::vector<Message> all{example_position(), GlonassBiases{.biases_m = {1.0, 2.0, 3.0, 4.0}},
                            example_descriptors(), MovingBase{}};
-  for (const bool full : {false, true}) {
-    for (const MultipleSignals& p : example_systems(full)) {
+  for (const bool glonass : {false, true}) {
+    for (const bool second_band : {false, true}) {
+      for (const bool extended : {false, true}) {
+        all.emplace_back(example_legacy(glonass, second_band, extended));
+      }
+    }
+  }
+  for (const MsmForm form : kForms) {
+    for (const MultipleSignals& p : example_systems(form)) {
       all.emplace_back(p);
     }
   }
@@ -266,7 +319,8 @@ TEST(Rtcm3Message, EpochsOfTheSystemsGoThereAndBack) {
 
 TEST(Rtcm3Message, RandomPayloadsNeverReadBeyondTheirEnd) {
   std::mt19937 random(7);
-  constexpr std::array<std::uint16_t, 12> kNumbers{1004, 1005, 1006, 1012, 1074, 1077,
+  constexpr std::array<std::uint16_t, 18> kNumbers{1001, 1002, 1003, 1004, 1005, 1006,
+                                                   1009, 1011, 1012, 1074, 1075, 1077,
                                                    1084, 1097, 1127, 1230, 4072, 1033};
   for (int round = 0; round < 20'000; ++round) {
     Bytes payload(random() % 120);

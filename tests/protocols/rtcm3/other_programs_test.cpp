@@ -113,14 +113,16 @@ std::pair<double, double> carriers(MsmSystem system, int channel) {
   return {};
 }
 
-TEST_F(Rtcm3ToOthers, RtklibReadsRangesPhasesAndRatesOfBothForms) {
+TEST_F(Rtcm3ToOthers, RtklibReadsRangesPhasesAndRatesOfAllForms) {
   constexpr std::string_view kLetters = "GREC";
-  for (const bool full : {true, false}) {
-    for (const MultipleSignals& p : example_systems(full)) {
-      // RTKLIB learns the channels of GLONASS from MSM7.
+  for (const MsmForm form : kForms) {
+    const bool full = form == MsmForm::seven;
+    const bool rates = form != MsmForm::four;
+    for (const MultipleSignals& p : example_systems(form)) {
+      // RTKLIB learns the channels of GLONASS from MSM5 and MSM7.
       std::vector<Message> messages{example_position()};
-      if (p.system == MsmSystem::glonass && !full) {
-        MultipleSignals teacher = example_systems(true)[1];
+      if (p.system == MsmSystem::glonass && !rates) {
+        MultipleSignals teacher = example_systems(MsmForm::seven)[1];
         teacher.more = true;
         messages.emplace_back(teacher);
       }
@@ -133,11 +135,11 @@ TEST_F(Rtcm3ToOthers, RtklibReadsRangesPhasesAndRatesOfBothForms) {
         const unsigned satellite = p.cells[i].satellite;
         std::string name{kLetters[static_cast<std::size_t>(p.system)]};
         name.append(satellite < 10 ? "0" : "").append(std::to_string(satellite));
-        SCOPED_TRACE(name + (full ? " MSM7" : " MSM4"));
+        SCOPED_TRACE(name + " MSM" + std::to_string(static_cast<int>(form)));
         const auto found = rows.find(name);
         ASSERT_NE(found, rows.end());
         const auto& row = found->second;
-        ASSERT_EQ(row.size(), full || messages.size() > 2 ? 8U : 6U);
+        ASSERT_EQ(row.size(), rates || messages.size() > 2 ? 8U : 6U);
         const auto [first, second] = carriers(p.system, static_cast<int>(satellite % 13) - 6);
         const double range_step_m = kLightMillisecond_m * (full ? 0x1p-29 : 0x1p-24);
         for (std::size_t signal = 0; signal < 2; ++signal) {
@@ -147,7 +149,7 @@ TEST_F(Rtcm3ToOthers, RtklibReadsRangesPhasesAndRatesOfBothForms) {
           const std::size_t at = per_signal * signal;
           EXPECT_NEAR(row[at], *o.range_m, 0.51 * range_step_m + 6e-4);
           EXPECT_NEAR(row[at + 1], *o.phase_m * carrier_hz / kLightSpeed_mps, 0.003);
-          if (full) {
+          if (rates) {
             EXPECT_NEAR(row[at + 2], -*o.rate_mps * carrier_hz / kLightSpeed_mps, 1.1e-3);
           }
         }
@@ -156,9 +158,37 @@ TEST_F(Rtcm3ToOthers, RtklibReadsRangesPhasesAndRatesOfBothForms) {
   }
 }
 
-TEST_F(Rtcm3ToOthers, RtklibReadsOlderObservations) {
+// Those of less content gpsd alone reads: 1001, 1003, 1009 and 1011 RTKLIB passes over.
+TEST_F(Rtcm3ToOthers, GpsdReadsOlderObservationsOfLessContent) {
+  std::vector<Message> messages;
   for (const bool glonass : {false, true}) {
-    LegacyObservations p = example_legacy(glonass);
+    for (const bool second_band : {false, true}) {
+      for (const bool extended : {false, true}) {
+        messages.emplace_back(example_legacy(glonass, second_band, extended));
+      }
+    }
+  }
+  const std::string lines = decoded_by_gpsd(messages);
+  // Satellite 5 of GPS is 87 light milliseconds and 214352.40 m away.
+  EXPECT_NE(lines.find(R"("type":1001,"length":30,"station_id":2003,"tow":36030000)"),
+            std::string::npos)
+      << lines;
+  EXPECT_NE(lines.find(R"({"ident":5,"ind":0,"prange":214352.40,"delta":41.1215,"lockt":7})"),
+            std::string::npos)
+      << lines;
+  EXPECT_NE(lines.find(R"("type":1002,"length":36)"), std::string::npos);
+  EXPECT_NE(lines.find(R"("prange":214352.40,"delta":41.1215,"lockt":7,"amb":87,"CNR":36.00)"),
+            std::string::npos);
+  EXPECT_NE(lines.find(R"("type":1003,"length":46)"), std::string::npos);
+  EXPECT_NE(lines.find(R"("type":1009,"length":32)"), std::string::npos);
+  EXPECT_NE(lines.find(R"("type":1010,"length":38)"), std::string::npos);
+  EXPECT_NE(lines.find(R"("type":1011,"length":48)"), std::string::npos);
+}
+
+TEST_F(Rtcm3ToOthers, RtklibReadsOlderObservations) {
+  for (const auto& [glonass, second_band] :
+       {std::pair{false, false}, {false, true}, {true, false}, {true, true}}) {
+    LegacyObservations p = example_legacy(glonass, second_band);
     p.more = false;
     const auto rows = observed_by_rtklib({example_position(), p}, 2);
     ASSERT_EQ(rows.size(), p.count);

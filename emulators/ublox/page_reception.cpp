@@ -8,6 +8,7 @@
 #include "protocols/beidou/subframe.h"
 #include "protocols/galileo/page.h"
 #include "protocols/glonass/string.h"
+#include "protocols/gps/cnav.h"
 #include "sim/samples/gnss_carriers.h"
 
 namespace rigwire::emulators {
@@ -16,6 +17,7 @@ namespace {
 namespace beidou = protocols::beidou;
 namespace galileo = protocols::galileo;
 namespace glonass = protocols::glonass;
+namespace gps = protocols::gps;
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kWeek_s = 604'800;
@@ -26,13 +28,16 @@ constexpr std::int64_t kTolerance_ns = 1'000'000;
 /// Seconds that one epoch looks back at most: epochs are up to 65 s apart.
 constexpr std::int64_t kMostSeconds = 66;
 
-/// Numbers of a system's satellites.
+/// Numbers of a system's satellites, and whether the data of both carriers are of this file.
 struct Numbers {
   GnssSystem system;
   std::uint8_t greatest;
+  bool both;
 };
-constexpr std::array<Numbers, 3> kNumbers{
-    {{GnssSystem::galileo, 36}, {GnssSystem::beidou, 63}, {GnssSystem::glonass, 24}}};
+constexpr std::array<Numbers, 4> kNumbers{{{GnssSystem::gps, gps::kSatellites, false},
+                                           {GnssSystem::galileo, 36, true},
+                                           {GnssSystem::beidou, 63, true},
+                                           {GnssSystem::glonass, 24, true}}};
 
 /// How the data of a carrier are divided: parts of so many seconds, the first of which begins so
 /// many after the week of GPS does (GLONASS: by leap seconds later).
@@ -43,6 +48,8 @@ struct Division {
 
 Division division_of(GnssSystem system, bool second, std::int32_t leap_seconds) {
   switch (system) {
+    case GnssSystem::gps:
+      return {gps::kCnavSeconds, 0};
     case GnssSystem::galileo:
       return {galileo::kPageSeconds, second ? galileo::kE5bBegins_s : galileo::kE1Begins_s};
     case GnssSystem::beidou:
@@ -59,6 +66,28 @@ const Set* set_of(const std::vector<Set>& sets, std::uint8_t number, std::uint8_
 }
 
 // What begins at `begun_s`, seconds of GPS time.
+
+std::optional<ReceivedPage> gps_page(const GpsNavigation& navigation, std::uint8_t number,
+                                     std::int64_t begun_s) {
+  if (!navigation.ephemerides[number - 1U]) {
+    return std::nullopt;
+  }
+  const gps::CnavTime time{static_cast<std::int32_t>(begun_s / kWeek_s),
+                           static_cast<std::uint32_t>(begun_s % kWeek_s)};
+  const std::uint8_t type = gps::cnav_type_at(time.second);
+  constexpr std::uint8_t kOfAlmanacs = 31;
+  gps::Broadcast broadcast;
+  if (type == kOfAlmanacs) {
+    broadcast = to_message(navigation);
+  } else {
+    broadcast.ephemerides[number - 1U] = to_message(*navigation.ephemerides[number - 1U]);
+    broadcast.ionosphere_utc = to_message(navigation.ionosphere, navigation.utc);
+  }
+  const gps::CnavMessage message = gps::cnav_message(type, broadcast, number, time);
+  ReceivedPage received{.count = message.size()};
+  std::ranges::copy(message, received.words.begin());
+  return received;
+}
 
 std::optional<ReceivedPage> galileo_page(const GpsNavigation& navigation, std::uint8_t number,
                                          bool second, std::int64_t begun_s) {
@@ -139,7 +168,9 @@ PageReception::PageReception() {
   for (const Numbers& of : kNumbers) {
     for (int number = 1; number <= of.greatest; ++number) {
       for (const bool second : {false, true}) {
-        channels_.push_back({of.system, static_cast<std::uint8_t>(number), second});
+        if (second || of.both) {
+          channels_.push_back({of.system, static_cast<std::uint8_t>(number), second});
+        }
       }
     }
   }
@@ -213,6 +244,9 @@ void PageReception::hear(const Channel& channel, std::int64_t second, std::int32
   }
   std::optional<ReceivedPage> page;
   switch (channel.system) {
+    case GnssSystem::gps:
+      page = gps_page(*navigation, channel.number, begun_s);
+      break;
     case GnssSystem::galileo:
       page = galileo_page(*navigation, channel.number, channel.second, begun_s);
       break;

@@ -1,7 +1,9 @@
-// What a receiver hears of the navigation messages of Galileo, BeiDou and GLONASS: pages,
-// subframes and strings as they become complete, whole ones only, in the form in which RXM-SFRBX
-// hands them on.
+// What a receiver hears of the navigation messages of Galileo, BeiDou and GLONASS, and of GPS on
+// L2C: pages, subframes, strings and messages as they become complete, whole ones only, in the form
+// in which RXM-SFRBX hands them on.
 //
+//   GPS       CNAV of L2 CM: a message of 12 s, ten words, the last with twelve bits of it. What
+//             satellites send when: protocols/gps/cnav.h. QZSS' L2C is not handed on
 //   Galileo   I/NAV of E1-B and E5b-I: a page of 2 s. Eight words, and a ninth of which nothing is
 //             documented (recordings of ZED-F9P have it), here 0
 //   BeiDou    D1 of B1I and B2I: subframes 1 to 3 of each 30 s, ten words. 4 and 5, the almanac,

@@ -32,6 +32,9 @@ namespace rigwire::emulators {
   if (system == GnssSystem::galileo) {
     return second ? 5 : 1;  // E5b I, E1 B
   }
+  if (system == GnssSystem::gps) {
+    return second ? 4 : 0;  // L2 CM
+  }
   return ublox_signal(system, second);
 }
 

@@ -10,6 +10,7 @@
 #include "protocols/beidou/subframe.h"
 #include "protocols/galileo/page.h"
 #include "protocols/glonass/string.h"
+#include "protocols/gps/cnav.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -148,6 +149,42 @@ TEST_F(PageReceptionTest, WhatBeganBeforeAChangeIsOfTheOldOrbit) {
   const auto issue_of = [](const ReceivedPage& page) { return page.words[0] >> 14U & 0x3FFU; };
   EXPECT_EQ(issue_of(pages.front()), 77U) << "word 1, begun before the change";
   EXPECT_EQ(issue_of(pages[1]), 78U);
+}
+
+// L2 CM of a satellite of GPS: a message begins every 12 s of the week, and only whole ones count.
+TEST_F(PageReceptionTest, GpsOnL2BringsAMessageEveryTwelveSeconds) {
+  GpsEphemeris e;
+  e.prn = 5;
+  e.week = 2421;
+  e.ephemeris_time_s = e.clock_time_s = 115'200.0;
+  e.sqrt_semi_major_axis = 5153.7;
+  navigation_->ephemerides[4] = e;
+  second_ = 115'205;
+  for (int i = 0; i < 60; ++i, ++second_) {
+    GnssSample sample;
+    sample.navigation = now_;
+    for (const bool second : {false, true}) {
+      GnssMeasurement m;
+      m.system = GnssSystem::gps;
+      m.number = 5;
+      m.second = second;
+      sample.measurements.push_back(m);
+    }
+    reception_.update(sample, {2421, second_ * 1'000'000'000}, kLeap);
+    for (const ReceivedPage& page : reception_.pages()) {
+      // Begun at 115 212, 115 224, ... 115 248: 115 200 had begun before it was tracked.
+      const auto index = static_cast<std::uint32_t>(pages_.size());
+      EXPECT_EQ(second_, 115'224 + 12 * index);
+      EXPECT_EQ(page.system, GnssSystem::gps);
+      EXPECT_TRUE(page.second);
+      ASSERT_EQ(page.count, 10);
+      EXPECT_EQ(page.words[0] >> 24U, 0x8BU);
+      EXPECT_EQ(page.words[0] >> 18U & 0x3FU, 5U);
+      EXPECT_EQ(page.words[0] >> 12U & 0x3FU, protocols::gps::cnav_type_at(115'212U + 12U * index));
+      pages_.push_back(page);
+    }
+  }
+  EXPECT_EQ(pages_.size(), 4U);
 }
 
 }  // namespace

@@ -85,34 +85,36 @@ std::uint8_t quiet_jamming(const UbloxMonitorView& view) {
   return static_cast<std::uint8_t>(quiet.jamming_floor + random.below(quiet.jamming_span + 1U));
 }
 
-MonHw hardware(const UbloxMonitorView& view) {
+/// The receiver with its first band, or the second one's noise, gain and jamming in their place.
+MonHw hardware(const UbloxMonitorView& view, bool second_band = false) {
   const UbloxFrontEnd& quiet = view.configuration.profile().front_end;
   const RadioState radio =
       view.solution.sample == nullptr ? RadioState{} : view.solution.sample->radio;
+  const double noise_db = second_band ? radio.second_noise_db : radio.noise_db;
+  const double jamming = second_band ? radio.second_jamming : radio.jamming;
   MonHw m;
   m.noise_per_ms =
-      to_field<std::uint16_t>(quiet.noise_per_ms * std::pow(10.0, radio.noise_db / 20.0), 1.0);
+      to_field<std::uint16_t>(quiet.noise_per_ms * std::pow(10.0, noise_db / 20.0), 1.0);
   // The gain goes down as the noise comes up, and all the way under a strong carrier.
   m.gain_control = static_cast<std::uint16_t>(std::clamp(
-      quiet.gain_control * (1.0 - 0.9 * radio.jamming) * std::pow(10.0, -radio.noise_db / 40.0),
-      0.0, 8191.0));
+      quiet.gain_control * (1.0 - 0.9 * jamming) * std::pow(10.0, -noise_db / 40.0), 0.0, 8191.0));
   m.antenna_status = view.antenna.status;
   m.antenna_power = view.antenna.power;
   constexpr std::uint8_t kClockCalibrated = 0x01;
-  m.flags = static_cast<std::uint8_t>(kClockCalibrated | jamming_state(view, radio.jamming) << 2U);
+  m.flags = static_cast<std::uint8_t>(kClockCalibrated | jamming_state(view, jamming) << 2U);
   const double floor = quiet_jamming(view);
-  m.jamming_indicator = to_field<std::uint8_t>(floor + (255.0 - floor) * radio.jamming, 1.0);
+  m.jamming_indicator = to_field<std::uint8_t>(floor + (255.0 - floor) * jamming, 1.0);
   return m;
 }
 
-/// The bands of a receiver with two: both hear the same.
+/// The bands of a receiver with two. Undisturbed, both hear the same.
 std::size_t put_bands(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
   // The middle of what recordings show: 6 to 24, 150 to 169.
   constexpr std::int8_t kOffset = 15;
   constexpr std::uint8_t kMagnitude = 160;
-  const MonHw hearing = hardware(view);
   std::array<MonRfBlock, 2> bands;
   for (std::size_t band = 0; band < bands.size(); ++band) {
+    const MonHw hearing = hardware(view, band == 1);
     bands[band].block = static_cast<std::uint8_t>(band);
     bands[band].flags = hearing.flags >> 2U & 3U;
     bands[band].antenna_status = hearing.antenna_status;
@@ -285,7 +287,6 @@ std::size_t put_signal_security(const UbloxMonitorView& view, std::span<std::uin
   constexpr std::uint8_t kSpoofingEnabled = 0x08;
   constexpr unsigned kSpoofingBits = 4;
   constexpr std::uint32_t kJammed = 1U << 24U;
-  constexpr std::uint8_t kIndicated = 2;
   const UbloxSignalSecurity& security = view.security;
   SecSigHead head;
   head.flags = static_cast<std::uint8_t>(kJammingEnabled | security.jamming() << kJammingBits |
@@ -298,7 +299,7 @@ std::size_t put_signal_security(const UbloxMonitorView& view, std::span<std::uin
     const bool there = std::ranges::any_of(
         known, [&](const SecSigBlock& block) { return (block.state & (kJammed - 1U)) == khz; });
     if (!there && head.frequencies < blocks.size()) {
-      blocks[head.frequencies++].state = khz | (security.jamming() == kIndicated ? kJammed : 0U);
+      blocks[head.frequencies++].state = khz | (security.jammed(second) ? kJammed : 0U);
     }
   };
   for (const bool second : {false, true}) {

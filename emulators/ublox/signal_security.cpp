@@ -100,8 +100,10 @@ void UbloxSignalSecurity::look(SimTime now, const std::vector<SatelliteView>& sa
 
   constexpr std::uint8_t kNoJamming = 1;
   constexpr std::uint8_t kJamming = 2;
-  const std::uint8_t jamming =
-      radio.jamming >= (sensitive ? kSensitive : kInsensitive) ? kJamming : kNoJamming;
+  const double least = sensitive ? kSensitive : kInsensitive;
+  first_jammed_ = radio.jamming >= least;
+  second_jammed_ = radio.second_jamming >= least;
+  const std::uint8_t jamming = first_jammed_ || second_jammed_ ? kJamming : kNoJamming;
   if (jamming == kJamming && jamming_ != kJamming) {
     note(Detection::jamming, EventKind::started);
   } else if (jamming != kJamming && jamming_ == kJamming) {

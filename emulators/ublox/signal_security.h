@@ -11,7 +11,7 @@
 // event times out. The thresholds are chosen: fading of an open sky or a drive through a wood does
 // not reach them.
 //
-// Jamming is how far the noise floor has come up.
+// Jamming is how far the noise floor has come up, of each band.
 //
 // Sources: ZED-F9P integration manual UBX-18010802, section 3.14; interface description HPG 1.50,
 // UBXDOC-963802114-12815, sections 3.15.20 "UBX-NAV-STATUS", 3.18.2 and 3.18.3.
@@ -50,6 +50,9 @@ class UbloxSignalSecurity {
   /// As SEC-SIG counts: 0 unknown, 1 none, 2 indicated.
   [[nodiscard]] std::uint8_t spoofing() const;
   [[nodiscard]] std::uint8_t jamming() const { return jamming_; }
+  [[nodiscard]] bool jammed(bool second_band) const {
+    return second_band ? second_jammed_ : first_jammed_;
+  }
   /// Oldest first.
   [[nodiscard]] const std::deque<Event>& log() const { return log_; }
   /// Of the last epoch.
@@ -65,6 +68,8 @@ class UbloxSignalSecurity {
   std::vector<double> strengths_;
   std::uint8_t spoofing_now_ = 0;
   std::uint8_t jamming_ = 0;
+  bool first_jammed_ = false;
+  bool second_jammed_ = false;
   SimTime indicated_until_ = kNever;  ///< While an indication lasts.
   std::deque<Event> log_;
 };

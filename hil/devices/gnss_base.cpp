@@ -73,7 +73,11 @@ struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration
     sim::validate(sensor);
     check_corrections(sensor.corrections.kind, false, "gnss-base");
   }
-  void check(const std::string& /*at*/, RigCheck& /*check*/) const override {}
+  void check(const std::string& at, RigCheck& check) const override {
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+      check_bands(faults[i], i, bands_of(sensor), at, check);
+    }
+  }
   void each_fault(const FaultEar& take) override { show_faults(faults, take); }
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
     return hil::fault_kinds<sim::GnssFault>();
@@ -111,7 +115,8 @@ class GnssBaseDevice final : public Device, private CorrectionSource {
       : receiver_(settings(configuration, site), site.calendar(), nowhere_, line_),
         station_(receiver_, receiver_) {
     line_.baud = configuration.baud;
-    offer(antenna_faults(site.executive(), station_, configuration.faults));
+    offer(antenna_faults(site.executive(), station_, bands_of(configuration.sensor),
+                         configuration.faults));
   }
 
   [[nodiscard]] StationIndex enlist(Executive& executive) { return executive.add(station_); }

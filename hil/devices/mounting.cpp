@@ -1,8 +1,12 @@
 #include "hil/devices/mounting.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <stdexcept>
+#include <variant>
 
 #include "fields/check.h"
 #include "hil/world/gnss.h"
@@ -50,19 +54,34 @@ void check_corrections(sim::CorrectionKind kind, bool takes_them, std::string_vi
   }
 }
 
+void check_bands(const sim::GnssFault& fault, std::size_t index, RadioBands bands,
+                 const std::string& at, RigCheck& check) {
+  if (bands == RadioBands::one && sim::tells_bands_apart(fault)) {
+    const auto band = std::get<sim::JammingFault>(fault.what).band;
+    check.report(fmt::format("{}.faults.{}.band", at, index), "this receiver has one band",
+                 band == sim::JammedBand::l1 ? "l1" : "l2", "all");
+  }
+}
+
 std::unique_ptr<FaultPort> antenna_faults(const Executive& executive, Station& station,
+                                          RadioBands bands,
                                           const std::vector<sim::GnssFault>& faults) {
   using Change = FaultChange<sim::GnssFault>;
   return make_fault_port<sim::GnssFault>(
-      faults,
-      {.begin = [&station](const sim::GnssFault& fault) { station.send(Change{.begin = fault}); },
-       .end =
-           [&station](std::uint32_t id, SimTime at) {
-             station.send(Change{.begin = {}, .end_of = id, .end_at = at});
-             return true;
-           },
-       .soonest =
-           [&executive](SimTime now) { return std::max(now, executive.soonest_request()); }});
+      faults, {.begin =
+                   [&station, bands](const sim::GnssFault& fault) {
+                     if (bands == RadioBands::one && sim::tells_bands_apart(fault)) {
+                       throw std::invalid_argument("band: this receiver has one band, allowed all");
+                     }
+                     station.send(Change{.begin = fault});
+                   },
+               .end =
+                   [&station](std::uint32_t id, SimTime at) {
+                     station.send(Change{.begin = {}, .end_of = id, .end_at = at});
+                     return true;
+                   },
+               .soonest = [&executive](
+                              SimTime now) { return std::max(now, executive.soonest_request()); }});
 }
 
 void mount_inertial_unit(Site& site, StationIndex station, const MountConfiguration& mount,

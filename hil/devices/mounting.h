@@ -20,10 +20,20 @@ namespace rigwire::hil {
 /// A satellite antenna, with what happens to its signals.
 void mount_antenna(Site& site, StationIndex station, const MountConfiguration& mount,
                    const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults);
+/// Bands of a receiver's radio part.
+enum class RadioBands : unsigned char { one, two };
+[[nodiscard]] inline RadioBands bands_of(const sim::GnssParameters& sensor) {
+  return sensor.second_signals ? RadioBands::two : RadioBands::one;
+}
+
 /// The port for more of them: the antenna hears of them through its station. Both must outlive it.
+/// What happens to one band alone is refused where there is but one.
 [[nodiscard]] std::unique_ptr<FaultPort> antenna_faults(const Executive& executive,
-                                                        Station& station,
+                                                        Station& station, RadioBands bands,
                                                         const std::vector<sim::GnssFault>& faults);
+/// The same of fault `index` in the list of a rig's file; `at`: the path of the device's keys.
+void check_bands(const sim::GnssFault& fault, std::size_t index, RadioBands bands,
+                 const std::string& at, RigCheck& check);
 
 /// The same on the ground, at that place in the world.
 void set_up_antenna(Site& site, StationIndex station, const Eigen::Vector3d& p_W,

@@ -118,7 +118,8 @@ class StarFireDevice final : public Device, private FixSource {
       bus->attach(*exit_, *node_);
       sides_.add(*node_);
     }
-    offer(antenna_faults(site.executive(), station_, configuration.faults));
+    offer(antenna_faults(site.executive(), station_, bands_of(configuration.sensor),
+                         configuration.faults));
   }
 
   [[nodiscard]] StationIndex enlist(Executive& executive) {
@@ -206,6 +207,9 @@ void StarFireConfiguration::check(const std::string& at, RigCheck& check) const 
   }
   if (!bus.empty()) {
     check.j1939_node(at, bus, receiver.source_address, receiver.serial);
+  }
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    check_bands(faults[i], i, bands_of(sensor), at, check);
   }
   check.link(at + ".mount.link", mount.link);
 }

@@ -44,8 +44,8 @@ class UbloxDevice final : public Device,
         receiver_(settings(configuration, site), site.calendar(), outlet_, second_),
         backend_(receiver_),
         station_(receiver_, backend_) {
-    offer(
-        antenna_faults(site.executive(), station_, those_of<sim::GnssFault>(configuration.faults)));
+    offer(antenna_faults(site.executive(), station_, bands_of(configuration.sensor),
+                         those_of<sim::GnssFault>(configuration.faults)));
     offer(make_fault_port(those_of<emulators::UbloxFault>(configuration.faults),
                           acted_by<emulators::UbloxFault>(receiver_)));
   }
@@ -210,6 +210,11 @@ void UbloxConfiguration::check(const std::string& at, RigCheck& check) const {
     }
   } else {
     check.usb();
+  }
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    if (const auto* const jamming = std::get_if<sim::JammingFault>(&faults[i].what)) {
+      check_bands({{}, *jamming}, i, bands_of(sensor), at, check);
+    }
   }
   check.link(at + ".mount.link", mount.link);
   if (!corrections_from.empty()) {

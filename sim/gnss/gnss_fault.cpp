@@ -1,5 +1,7 @@
 #include "sim/gnss/gnss_fault.h"
 
+#include <array>
+
 namespace rigwire::sim {
 
 using fields::in;
@@ -12,7 +14,11 @@ struct Add {
   SimTime now;
 
   void operator()(const OutageFault&) const { state.no_signal = true; }
-  void operator()(const JammingFault& p) const { state.jamming_db += grown(p, when, now).loss_db; }
+  void operator()(const JammingFault& p) const {
+    const double loss_db = grown(p, when, now).loss_db;
+    state.jamming_db += p.band == JammedBand::l2 ? 0.0 : loss_db;
+    state.second_jamming_db += p.band == JammedBand::l1 ? 0.0 : loss_db;
+  }
   void operator()(const SpoofDriftFault& p) const {
     const double since_s = to_seconds(now - when.began(now));
     state.spoofed = true;
@@ -35,11 +41,22 @@ struct Add {
   void operator()(const CorrectionOutageFault&) const { state.corrections_lost = true; }
 };
 
+constexpr std::array<fields::Choice<JammedBand>, 3> kBands{
+    {{JammedBand::all, "all", "All that satellites send on."},
+     {JammedBand::l1, "l1", "L1, E1 and B1 alone; of a receiver with two bands."},
+     {JammedBand::l2, "l2", "L2, E5b and B2 alone; of a receiver with two bands."}}};
+
 }  // namespace
+
+bool tells_bands_apart(const GnssFault& fault) {
+  const auto* const jamming = std::get_if<JammingFault>(&fault.what);
+  return jamming != nullptr && jamming->band != JammedBand::all;
+}
 
 void visit(fields::Visitor& v, JammingFault& p) {
   v.number("loss", p.loss_db, in("dB").stored_as("dB").between(0, 80),
            "How far the carrier-to-noise density falls.");
+  v.choice("band", p.band, kBands, "What of the spectrum is disturbed.");
   visit_ramp(v, p.ramp);
 }
 

@@ -2,11 +2,12 @@
 //
 //   faults:
 //     - {type: jamming, at: 30 s, for: 10 s, loss: 15 dB}
+//     - {type: jamming, at: 50 s, for: 10 s, loss: 15 dB, band: l2}
 //     - {type: jump, at: 60 s, for: 5 s, offset: [20 m, 0 m, 0 m]}
 //
 // Overlaps: antenna faults and an outage leave no signal, whatever else goes on (a short-circuited
-// antenna is reported before an open one); jamming adds up in dB; jumps and spoof drifts add up in
-// metres. Faults are of simulated time, so that a run repeats.
+// antenna is reported before an open one); jamming adds up in dB, band by band; jumps and spoof
+// drifts add up in metres. Faults are of simulated time, so that a run repeats.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,6 +19,10 @@
 
 namespace rigwire::sim {
 
+/// What of the spectrum is disturbed: L1, E1, B1 (1559 to 1610 MHz) or L2, E5b, B2 (1191 to 1254
+/// MHz), which receivers of two bands hear by a radio part each.
+enum class JammedBand : unsigned char { all, l1, l2 };
+
 struct OutageFault {
   static constexpr fields::Named kNamed{"outage", "No signal arrives; the antenna is well."};
 };
@@ -27,6 +32,7 @@ struct JammingFault {
 
   double loss_db = 20.0;
   Duration ramp{0};
+  JammedBand band = JammedBand::all;
 
   void grow(double share) { loss_db *= share; }
 };
@@ -72,11 +78,15 @@ struct GnssFault {
 };
 void visit(fields::Visitor& v, GnssFault& p);
 
+/// Whether it disturbs one band and not the other, which means nothing to a receiver of one band.
+[[nodiscard]] bool tells_bands_apart(const GnssFault& fault);
+
 /// What all faults amount to.
 struct GnssFaultState {
   bool no_signal = false;
   AntennaState antenna = AntennaState::ok;
-  double jamming_db = 0.0;
+  double jamming_db = 0.0;         ///< Of the first band ...
+  double second_jamming_db = 0.0;  ///< ... and of the second.
   bool spoofed = false;
   bool corrections_lost = false;
   Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< East, north, up, of the place received.

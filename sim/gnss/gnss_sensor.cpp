@@ -239,7 +239,11 @@ std::optional<ReceivedCorrections> GnssSensor::received_corrections(const Epoch&
       continue;
     }
     ++received.common;
-    received.common_two_band += station_.has_second(satellite->index) ? 1 : 0;
+    received.common_two_band +=
+        station_.has_second(satellite->index) &&
+                satellite->cn0_dbhz - satellite->second_weaker_db >= kCarrierCn0_dbhz
+            ? 1
+            : 0;
     received.gps_only = received.gps_only && satellite->satellite.system == GnssSystem::gps;
   }
   received.carriers_agree = station_.carriers_agree();
@@ -514,8 +518,9 @@ GnssSample GnssSensor::sample(SimTime time, const LinkMotion& antenna,
   sample.clock_bias_s = epoch.clock.bias_s + epoch.fault.clock_offset_m / kLightSpeed_mps;
   sample.clock_drift = epoch.clock.drift + epoch.fault.clock_offset_rate_mps / kLightSpeed_mps;
   sample.geoid_separation_m = frame_.geoid_separation_m();
-  sample.radio = {epoch.fault.antenna, 1.0 - std::pow(10.0, -epoch.fault.jamming_db / 20.0),
-                  epoch.fault.jamming_db};
+  const auto jamming = [](double loss_db) { return 1.0 - std::pow(10.0, -loss_db / 20.0); };
+  sample.radio = {epoch.fault.antenna, jamming(epoch.fault.jamming_db), epoch.fault.jamming_db,
+                  jamming(epoch.fault.second_jamming_db), epoch.fault.second_jamming_db};
   sample.navigation = constellation_->navigation(epoch.reception.gps);
   correct(epoch, sample);
   sample.fix = fix_of(epoch);
@@ -666,8 +671,13 @@ void GnssSensor::measure(std::span<const ReceivedSatellite> received, const Epoc
     signal.range_rate_error_mps += epoch.fault.clock_offset_rate_mps;
     signal.slipped = satellite.slipped;
     signals_.push_back(signal);
-    if (parameters_.second_signals && has_second_carrier(system) && command_.uses_second(system)) {
+    const double second_dbhz = satellite.cn0_dbhz - satellite.second_weaker_db;
+    const bool second_heard =
+        satellite.second_weaker_db <= 0.0 || second_dbhz >= parameters_.sky.cn0_threshold_dbhz;
+    if (parameters_.second_signals && has_second_carrier(system) && command_.uses_second(system) &&
+        second_heard) {
       signal.second = true;
+      signal.cn0_dbhz = second_dbhz;
       if (parameters_.error_model != ErrorModel::paper) {
         const RangeError& error = satellite.error;
         signal.code_error_m += error.second_local_m - error.local_m;

@@ -164,9 +164,11 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const SignalArr
   const double carrier_multipath_m = p.carrier_multipath_m * over_sine(elevation);
   error.carrier_m =
       carrier_noise_m * carrier_noise_.value() + carrier_multipath_m * carrier_multipath_.value();
-  error.second_carrier_m = carrier_noise_m * second_.carrier_noise.value() +
-                           carrier_multipath_m * second_.carrier_multipath.value();
-  error.second_local_m = noise_sigma_m * second_.code_noise.value() +
+  const double second_dbhz = arrival.cn0_dbhz - arrival.second_weaker_db;
+  error.second_carrier_m =
+      kGpsL1Wavelength_m * carrier_sigma_cycles(second_dbhz) * second_.carrier_noise.value() +
+      carrier_multipath_m * second_.carrier_multipath.value();
+  error.second_local_m = code_sigma_m(p, second_dbhz) * second_.code_noise.value() +
                          multipath_sigma_m * second_.code_multipath.value();
   error.rate_mps = rate_.value();
   const double rate_noise_mps =

@@ -91,6 +91,7 @@ struct SignalArrival {
   double azimuth_rad = 0.0;
   double elevation_rad = 0.0;
   double cn0_dbhz = 45.0;
+  double second_weaker_db = 0.0;       ///< Than that, its second carrier.
   double missing_db = 0.0;             ///< Weaker by so much than under an open sky.
   double foliage_db = 0.0;             ///< Of it, what crowns take.
   double reflection_envelope_m = 0.0;  ///< Of reflections that join the direct signal.

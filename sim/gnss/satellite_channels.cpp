@@ -179,6 +179,7 @@ void SatelliteChannels::track(const Reception& reception, const GnssFaultState& 
     const double steady_dbhz =
         fault.no_signal ? kNoSignal_dbhz : received.cn0_dbhz - fault.jamming_db;
     received.cn0_dbhz = steady_dbhz + channel.fade_db;
+    received.second_weaker_db = fault.second_jamming_db - fault.jamming_db;
     const bool before = channel.tracker.tracked();
     received.tracked = channel.tracker.advance(
         parameters_.sky, {.time = reception.time,
@@ -272,7 +273,8 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
     const Channel& channel = channels_[channel_of_[k]];
     SignalArrival arrival{.azimuth_rad = received.azimuth_rad,
                           .elevation_rad = received.elevation_rad,
-                          .cn0_dbhz = received.cn0_dbhz};
+                          .cn0_dbhz = received.cn0_dbhz,
+                          .second_weaker_db = received.second_weaker_db};
     // What the open sky would give at this elevation, less what is received but for fading.
     arrival.missing_db =
         direct_cn0_dbhz(parameters_.sky, std::sin(received.elevation_rad), SkyArrival{}) -

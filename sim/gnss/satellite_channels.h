@@ -40,6 +40,7 @@ struct ReceivedSatellite {
   double azimuth_rad = 0.0;
   double elevation_rad = 0.0;
   double cn0_dbhz = 0.0;
+  double second_weaker_db = 0.0;  ///< What its second carrier has lost more than the first.
   bool tracked = false;
   bool acquired = false;    ///< Since this epoch.
   bool direct = false;      ///< In line of sight, not by a reflection alone.

@@ -74,8 +74,10 @@ enum class AntennaState : std::uint8_t { ok, short_circuit, open };
 /// State of the radio part.
 struct RadioState {
   AntennaState antenna = AntennaState::ok;
-  double jamming = 0.0;   ///< 0 none .. 1 overwhelming, continuous wave or broad.
-  double noise_db = 0.0;  ///< Noise floor above that of an undisturbed receiver.
+  double jamming = 0.0;          ///< 0 none .. 1 overwhelming, continuous wave or broad.
+  double noise_db = 0.0;         ///< Noise floor above that of an undisturbed receiver.
+  double second_jamming = 0.0;   ///< The same two of the second band (L2, E5b, B2), of a receiver
+  double second_noise_db = 0.0;  ///< that has it.
 };
 
 /// What the messages of a base station told the receiver of one epoch of the station's.

@@ -10,6 +10,7 @@
 
 #include "protocols/ubx/blocks.h"
 #include "protocols/ubx/key_values.h"
+#include "protocols/ubx/monitor.h"
 #include "protocols/ubx/signal_security.h"
 #include "rig.h"
 
@@ -129,7 +130,7 @@ TEST_F(UbloxSignalSecurityMessages, StatusSignalsAndLogTellOfATakeoverUnderNoise
   UbloxReceiver receiver(settings, calendar_, line_);
   run(receiver, kStart + 6900ms, [](GnssSample& s) {
     s.satellites = s.time < kStart + 4s ? real_signals(8) : false_signals(8);
-    s.radio.jamming = s.time < kStart + 6s ? 0.0 : 0.6;
+    s.radio.jamming = s.radio.second_jamming = s.time < kStart + 6s ? 0.0 : 0.6;
   });
   std::vector<unsigned> states;
   for (const NavStatus& status : decoded<NavStatus>()) {
@@ -163,6 +164,43 @@ TEST_F(UbloxSignalSecurityMessages, StatusSignalsAndLogTellOfATakeoverUnderNoise
   // Both looked for; none, spoofing indicated, both indicated.
   EXPECT_THAT(signals, ElementsAre(0x1B, 0x1B, 0x1B, 0x2B, 0x2B, 0x2D));
   EXPECT_THAT(events, ElementsAre(0U, 0U, 0U, 1U, 1U, 2U));
+}
+
+// A jammer of L2 alone: its block of MON-RF and its frequencies of SEC-SIG.
+TEST_F(UbloxSignalSecurityMessages, AJammedBandIsToldApartFromTheOther) {
+  UbloxSettings settings = quiet();
+  settings.profile = &ublox_zed_f9p();
+  settings.baud = 460'800;
+  settings.ubx_messages = {"MON-RF", "SEC-SIG"};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  run(receiver, kStart + 2900ms, [](GnssSample& s) {
+    s.satellites = real_signals(8);
+    s.radio.second_jamming = 0.9;
+    s.radio.second_noise_db = 20.0;
+  });
+  bool bands = false;
+  bool signals = false;
+  for (const auto& [id, payload] : line_.frames()) {
+    const FrameView frame{id, payload};
+    if (const auto m = decode_blocks<MonRfHead, MonRfBlock>(frame); m.ok()) {
+      bands = true;
+      ASSERT_EQ(m->size(), 2U);
+      EXPECT_EQ((*m)[0].noise_per_ms, 74);
+      EXPECT_EQ((*m)[0].gain_control, 5616);
+      EXPECT_LE((*m)[0].jamming_indicator, 9);
+      EXPECT_EQ((*m)[1].noise_per_ms, 740);
+      EXPECT_NEAR((*m)[1].gain_control, 5616 * 0.19 / std::sqrt(10.0), 1.0);
+      EXPECT_GT((*m)[1].jamming_indicator, 220);
+    } else if (const auto s = decode_blocks<SecSigHead, SecSigBlock>(frame); s.ok()) {
+      signals = true;
+      EXPECT_EQ(s->head().flags >> 1U & 3U, 2U) << "jamming is indicated";
+      ASSERT_EQ(s->size(), 3U);
+      EXPECT_EQ((*s)[0].state, 1'575'420U);
+      EXPECT_EQ((*s)[1].state, 1'227'600U | 1U << 24U);
+      EXPECT_EQ((*s)[2].state, 1'207'140U | 1U << 24U);
+    }
+  }
+  EXPECT_TRUE(bands && signals);
 }
 
 }  // namespace

@@ -137,6 +137,21 @@ TEST_F(GnssKeys, UnknownFaultsAndKeysAreRefusedWithWhatIsAllowed) {
   EXPECT_THAT(complaints(), HasSubstr("faults.0.for: out of range"));
 }
 
+TEST_F(GnssKeys, AJammerOfOneBandNeedsAReceiverOfTwo) {
+  const std::string l2 = "    faults: [{type: jamming, at: 1 s, band: l2}]\n";
+  write_receiver(l2, "ublox-zed-f9p");
+  EXPECT_EQ(complaints(), "");
+  for (const char* type : {"ublox-neo-7p", "ublox-neo-m8t", "starfire-3000"}) {
+    write_receiver(l2, type);
+    EXPECT_THAT(complaints(),
+                AllOf(HasSubstr("devices.gnss.faults.0.band: this receiver has one band"),
+                      HasSubstr("all")))
+        << type;
+  }
+  write_receiver("    faults: [{type: jamming, at: 1 s, band: all}]\n");
+  EXPECT_EQ(complaints(), "");
+}
+
 TEST_F(GnssKeys, FaultsThatADeviceDoesNotImplementAreRefused) {
   write_receiver("    faults: [{type: outage, at: 1 s}]\n", "starfire-3000");
   EXPECT_EQ(complaints(), "");

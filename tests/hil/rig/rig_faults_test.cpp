@@ -151,6 +151,10 @@ TEST_F(RigFaultsTest, KeysThatAreNoneAndABeginningThatIsOverAreRefused) {
               HasSubstr("loss"));
   EXPECT_THAT(std::string(ask(FaultAddCommand{"gnss", "{type: jamming, at: 0.5 s}"})["what"]),
               HasSubstr("later"));
+  for (const char* receiver : {"gnss", "starfire"}) {
+    const Json band = ask(FaultAddCommand{receiver, "{type: jamming, band: l2}"});
+    EXPECT_THAT(std::string(band["what"]), HasSubstr("one band")) << receiver;
+  }
   EXPECT_FALSE(ask(FaultAddCommand{"gnss", "jamming"})["ok"].get<bool>());
   EXPECT_FALSE(ask(FaultAddCommand{"gnss", "{type: [jamming]}"})["ok"].get<bool>());
   EXPECT_FALSE(ask(FaultAddCommand{"gnss", "{type: jamming"})["ok"].get<bool>());

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "fake_sky.h"
 #include "sim/gnss/gnss_sensor.h"
@@ -74,6 +76,54 @@ TEST_F(FaultyGnss, JammingTakesSignalsAccuracyAndThenTheFix) {
   GnssSensor heavy = with(from_ten_to_twenty(JammingFault{40.0}));
   (void)at(heavy, 9s);
   EXPECT_EQ(at(heavy, 10s).fix, GnssFix::none);
+}
+
+// A jammer of L2: the first signals and the fix stay; of L1: each second signal is the stronger
+// one, as long as its satellite is held by the first.
+TEST_F(FaultyGnss, AJammedBandLeavesTheOtherAlone) {
+  parameters_.sky.cn0_sigma_db = 0.0;
+  parameters_.sky.cn0_sigma_moving_db = 0.0;
+  parameters_.raw_measurements = true;
+  parameters_.second_signals = true;
+  const auto strengths = [&](JammedBand band, double loss_db) {
+    GnssSensor gnss = with(from_ten_to_twenty(JammingFault{.loss_db = loss_db, .band = band}));
+    const GnssSample before = at(gnss, 9s);
+    const GnssSample during = at(gnss, 10s);
+    // Change of the first and of the second signal of the satellite that is heard best.
+    std::array<double, 2> change_db{};
+    std::array<std::size_t, 2> count{};
+    for (const GnssMeasurement& m : during.measurements) {
+      ++count[m.second ? 1 : 0];
+    }
+    for (const GnssMeasurement& m : before.measurements) {
+      const auto same = std::ranges::find_if(during.measurements, [&](const GnssMeasurement& o) {
+        return o.number == m.number && o.second == m.second;
+      });
+      if (same != during.measurements.end()) {
+        change_db[m.second ? 1 : 0] = same->cn0_dbhz - m.cn0_dbhz;
+      }
+    }
+    return std::tuple(change_db, count, during);
+  };
+  const auto [second_db, second_count, second] = strengths(JammedBand::l2, 10.0);
+  EXPECT_NEAR(second_db[0], 0.0, 0.05);
+  EXPECT_NEAR(second_db[1], -10.0, 0.05);
+  EXPECT_EQ(second_count[0], second_count[1]);
+  EXPECT_EQ(second.radio.jamming, 0.0);
+  EXPECT_EQ(second.radio.noise_db, 0.0);
+  EXPECT_EQ(second.radio.second_noise_db, 10.0);
+  const auto [first_db, first_count, first] = strengths(JammedBand::l1, 10.0);
+  EXPECT_NEAR(first_db[0], -10.0, 0.05);
+  EXPECT_NEAR(first_db[1], 0.0, 0.05);
+  EXPECT_EQ(first.radio.noise_db, 10.0);
+  EXPECT_EQ(first.radio.second_jamming, 0.0);
+  const auto [deaf_db, deaf_count, deaf] = strengths(JammedBand::l2, 60.0);
+  EXPECT_GT(deaf_count[0], 4U);
+  EXPECT_EQ(deaf_count[1], 0U);
+  EXPECT_EQ(deaf.fix, GnssFix::three_d);
+  const auto [both_db, both_count, both] = strengths(JammedBand::all, 10.0);
+  EXPECT_NEAR(both_db[0], -10.0, 0.05);
+  EXPECT_NEAR(both_db[1], -10.0, 0.05);
 }
 
 TEST_F(FaultyGnss, ASpoofedReceiverDriftsOffWithStrongConsistentSignals) {

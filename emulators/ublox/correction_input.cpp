@@ -28,6 +28,16 @@ SimTime nearest(const Calendar& calendar, SimTime now, std::int64_t time_ms,
   return now - Duration{behind_ns};
 }
 
+/// What `of` makes of the leap seconds of now, or, if that lies ahead, of those before: it was
+/// measured within a leap second that is over.
+template <class Of>
+std::optional<SimTime> by_leap_seconds(const Calendar& calendar, SimTime now, Of of) {
+  const std::optional<SimTime> measured = of(calendar.leap_seconds(now));
+  return measured && *measured > now + kAhead
+             ? of(calendar.leap_seconds(now - std::chrono::seconds{1}))
+             : measured;
+}
+
 std::uint16_t station_of(const rtcm3::Message& message) {
   return std::visit([](const auto& m) { return m.station; }, message);
 }
@@ -154,11 +164,10 @@ void UbloxCorrectionInput::close() {
 }
 
 bool UbloxCorrectionInput::take(const rtcm3::MultipleSignals& m, SimTime now) {
-  std::optional<SimTime> measured;
-  if (const auto time_ms =
-          rtcm3::gps_time_of_week_ms(m.system, m.epoch, calendar_.leap_seconds(now))) {
-    measured = nearest(calendar_, now, *time_ms, kWeek_ms);
-  }
+  const auto measured = by_leap_seconds(calendar_, now, [&](int leap_seconds) {
+    const auto time_ms = rtcm3::gps_time_of_week_ms(m.system, m.epoch, leap_seconds);
+    return time_ms ? std::optional(nearest(calendar_, now, *time_ms, kWeek_ms)) : std::nullopt;
+  });
   if (measured && *measured > now + kAhead) {
     return false;
   }
@@ -181,10 +190,12 @@ bool UbloxCorrectionInput::take(const rtcm3::MultipleSignals& m, SimTime now) {
 
 bool UbloxCorrectionInput::take(const rtcm3::LegacyObservations& m, SimTime now) {
   constexpr std::int64_t kMoscow_ms = 3 * 3'600'000;
-  const std::int64_t time_ms =
-      m.glonass ? std::int64_t{m.time_ms} - kMoscow_ms + calendar_.leap_seconds(now) * 1000
-                : std::int64_t{m.time_ms};
-  const SimTime measured = nearest(calendar_, now, time_ms, m.glonass ? kDay_ms : kWeek_ms);
+  const SimTime measured = *by_leap_seconds(calendar_, now, [&](int leap_seconds) {
+    const std::int64_t time_ms =
+        m.glonass ? std::int64_t{m.time_ms} - kMoscow_ms + std::int64_t{leap_seconds} * 1000
+                  : std::int64_t{m.time_ms};
+    return std::optional(nearest(calendar_, now, time_ms, m.glonass ? kDay_ms : kWeek_ms));
+  });
   GnssCorrections* const epoch = measured > now + kAhead ? nullptr : epoch_of(m.station, measured);
   if (epoch == nullptr) {
     return false;

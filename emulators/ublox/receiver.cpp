@@ -781,8 +781,11 @@ UbloxCorrectionContent UbloxReceiver::correction_content() const {
     return content;
   }
   content.sample = &latest_;
-  content.measured = calendar_.gps(latest_.time + latest_.clock_label_offset);
-  content.leap_seconds = s.leap_seconds;
+  const SimTime told = latest_.time + latest_.clock_label_offset;
+  content.measured = calendar_.gps(told);
+  // At the epoch that is told: a leap second may end between the measurement and it.
+  content.leap_seconds = s.leap_seconds + calendar_.leap_seconds(told) -
+                         calendar_.leap_seconds(latest_.time + latest_.measured_after);
   content.station = configuration_.present().station_out;
   content.place_E_m = base_.place_E_m();
   content.has_fix = s.fix_ok && s.dimensions == 3;

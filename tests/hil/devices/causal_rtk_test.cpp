@@ -19,7 +19,6 @@ namespace rtcm3 = protocols::rtcm3;
 namespace ubx = protocols::ubx;
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
-using Keys = std::vector<std::pair<std::string_view, std::uint64_t>>;
 
 constexpr std::uint64_t kSeed = 7;
 constexpr std::uint16_t kStation = 42;
@@ -48,24 +47,6 @@ class CausalRtk : public ::testing::Test {
     settings_.uart2_messages = {};
     base->receiver.advance(kStart + 900ms);
     return base;
-  }
-  static void set(ReceiverOnWires& one, const Keys& keys) {
-    Bytes payload{0, 1 /*RAM*/, 0, 0};
-    const auto put = [&](std::uint64_t value, std::size_t bytes) {
-      for (std::size_t i = 0; i < bytes; ++i) {
-        payload.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-      }
-    };
-    for (const auto& [name, value] : keys) {
-      const std::uint32_t id = ubx::configuration_keys()[ubx::key_index(name)].id;
-      put(id, 4);
-      put(value, ubx::value_bytes(id));
-    }
-    Bytes frame(payload.size() + ubx::kOverheadBytes);
-    ASSERT_EQ(ubx::encode_frame({0x06, 0x8A}, payload, frame), frame.size());
-    const auto before = one.receiver.counters().acknowledged;
-    one.receiver.receive(kStart + 900ms, frame);
-    EXPECT_EQ(one.receiver.counters().acknowledged, before + 1);
   }
   /// A fixed base whose claim is off by so much along ECEF x.
   void fix_at(ReceiverOnWires& base, const Eigen::Vector3d& p_W, double off_m = 0.0) const {

@@ -2,6 +2,8 @@
 // in simulated time as fast as the machine allows.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -15,6 +17,7 @@
 #include "emulators/ublox/receiver.h"
 #include "protocols/nmea/sentence.h"
 #include "protocols/rtcm3/frame.h"
+#include "protocols/ubx/configuration_keys.h"
 #include "protocols/ubx/frame.h"
 #include "sim/gnss/antenna_book.h"
 #include "sim/gnss/gnss_sensor.h"
@@ -53,17 +56,18 @@ class ReceiverOnWires {
         return;
       }
       if (!rewrite) {
-        waiting.emplace_back(due, std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+        waiting.emplace_back(due + delay, std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
         return;
       }
       begun.insert(begun.end(), bytes.begin(), bytes.end());
       if (const auto frame = protocols::rtcm3::decode_frame(begun); frame.ok()) {
-        waiting.emplace_back(due, rewrite(*frame));
+        waiting.emplace_back(due + delay, rewrite(*frame));
         begun.erase(begun.begin(), begun.begin() + static_cast<std::ptrdiff_t>(frame.consumed()));
       }
     }
     ReceiverOnWires* to = nullptr;
     bool cut = false;
+    Duration delay{0};
     /// What stands on the wire in a message's place; empty: the message itself.
     std::function<std::vector<std::uint8_t>(const protocols::rtcm3::FrameView&)> rewrite;
     std::vector<std::uint8_t> begun;
@@ -124,6 +128,28 @@ class ReceiverOnWires {
   OpenSky sky_;
   SimTime sampled_ = kStart;
 };
+
+/// Items by name, as UBX-CFG-VALSET to the RAM, 900 ms after the start.
+using Keys = std::vector<std::pair<std::string_view, std::uint64_t>>;
+inline void set(ReceiverOnWires& one, const Keys& keys) {
+  std::vector<std::uint8_t> payload{0, 1 /*RAM*/, 0, 0};
+  const auto put = [&](std::uint64_t value, std::size_t bytes) {
+    for (std::size_t i = 0; i < bytes; ++i) {
+      payload.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+    }
+  };
+  for (const auto& [name, value] : keys) {
+    const std::uint32_t id =
+        protocols::ubx::configuration_keys()[protocols::ubx::key_index(name)].id;
+    put(id, 4);
+    put(value, protocols::ubx::value_bytes(id));
+  }
+  std::vector<std::uint8_t> frame(payload.size() + protocols::ubx::kOverheadBytes);
+  ASSERT_EQ(protocols::ubx::encode_frame({0x06, 0x8A}, payload, frame), frame.size());
+  const auto before = one.receiver.counters().acknowledged;
+  one.receiver.receive(kStart + std::chrono::milliseconds{900}, frame);
+  EXPECT_EQ(one.receiver.counters().acknowledged, before + 1);
+}
 
 /// Lets all of them live up to `end`; `watch(now)` after each step.
 inline void run_until(std::vector<ReceiverOnWires*> receivers, SimTime end,

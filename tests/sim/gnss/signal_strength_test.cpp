@@ -3,9 +3,10 @@
 // GSA at 1 Hz, some 3300 epochs each). Bands are what the two show, and as much wider as they
 // differ from each other.
 //
-// Below 30 degrees the recorded means are 27 to 37 dBHz, of what a town leaves of low satellites;
-// ours under an open sky are 39 to 42, which no recording of an open sky bears out or refutes, so
-// they are not held against any.
+// Below 30 degrees the recorded means are 27 to 37 dBHz, of what a town leaves of low satellites:
+// street_canyon_test.cpp holds those. Ours under an open sky are 39 to 42, 8 and 6 dB below those
+// above 60 degrees; thirteen and seventeen logs of receivers in gpsd's regression tests, under
+// skies of all kinds, have 12 dB (quartiles 10 to 15, 9 to 14).
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -59,6 +59,8 @@ class ControlChannel {
   [[nodiscard]] Status privilege_written(SimTime now, std::uint32_t value);
   /// As if the primary application had gone.
   void end_control(SimTime now);
+  /// Power-on: what was answered is not known any more.
+  void forget() { answered_ = {}; }
   [[nodiscard]] const std::optional<UdpEnd>& primary() const { return primary_; }
   [[nodiscard]] const ReceiveCounters& received() const { return received_; }
 

@@ -20,6 +20,8 @@ class FaultyStream final : public DatagramOutput {
   /// A packet that is held back waits for the next one.
   void send(SimTime due, const UdpEnd& to, std::span<const std::uint8_t> bytes,
             bool do_not_fragment) override;
+  /// Forgets a packet that waits to change places.
+  void clear() { held_.clear(); }
   /// Datagrams that the faults have swallowed.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 

@@ -88,6 +88,7 @@ GigeCamera::GigeCamera(const GigeCameraSettings& settings, NonvolatileMemory& me
                        DatagramOutput& control, DatagramOutput& stream)
     : settings_(validated(settings)),
       faults_(settings.faults),
+      supply_({.power_on = Duration{0}, .faults = settings_.supply_faults}),
       memory_(memory),
       components_(camera_components(settings.kind)),
       description_(gev::write_description({settings.vendor, settings.model, kInformation},
@@ -102,6 +103,9 @@ GigeCamera::GigeCamera(const GigeCameraSettings& settings, NonvolatileMemory& me
               kPacketSizeMaximum),
       trigger_faults_(settings.seed ^ kTriggerStream) {
   power_up();
+  if (supply_.next_change() <= kStart) {
+    supply_.change();
+  }
 }
 
 // --- Power-up and memory. ------------------------------------------------------------------------
@@ -137,6 +141,7 @@ void GigeCamera::power_up() {
   recall();
   bank_.set_word(boot::kHeartbeatTimeout, kHeartbeat_ms);
   bank_.set_word(boot::kConfiguration, 0);
+  stream_.set_extended_status(false);
   bank_.set_word(boot::kStreamConfiguration, 0);
   bank_.set_word(boot::kTimestampHigh, 0);
   bank_.set_word(boot::kTimestampLow, 0);
@@ -260,12 +265,42 @@ void GigeCamera::restart() {
 // --- Time. ---------------------------------------------------------------------------------------
 
 SimTime GigeCamera::next_event() const {
+  return std::min(supply_.next_change(), next_work());
+}
+
+SimTime GigeCamera::next_work() const {
   return std::min({control_.next_event(), acquisition_.next_event(), stream_.next_event(),
                    faults_.next_change<ExposureStuckFault, OverTemperatureFault>(now_)});
 }
 
 void GigeCamera::live_until(SimTime now) {
-  for (SimTime next = next_event(); next <= now; next = next_event()) {
+  while (supply_.next_change() <= now) {
+    work_until(supply_.next_change());
+    switch_supply();
+  }
+  work_until(now);
+}
+
+void GigeCamera::switch_supply() {
+  supply_.change();
+  if (supply_.on()) {
+    const std::uint32_t before = address_changes_;
+    restart();
+    if (address_changes_ != before) {
+      moved_();
+    }
+    return;
+  }
+  control_.end_control(now_);
+  control_.forget();
+  end_acquisition();
+  stream_.close();
+  cable_.clear();
+  last_picture_.reset();
+}
+
+void GigeCamera::work_until(SimTime now) {
+  for (SimTime next = next_work(); next <= now; next = next_work()) {
     now_ = std::max(now_, next);
     step();
   }
@@ -304,7 +339,7 @@ void GigeCamera::advance(SimTime now) {
 
 void GigeCamera::receive(SimTime now, const UdpEnd& from, std::span<const std::uint8_t> datagram) {
   live_until(now);
-  if (link_down()) {
+  if (link_down() || !supply_.on()) {
     ++counters_.lost_datagrams;
     return;
   }
@@ -789,7 +824,9 @@ void GigeCamera::derive_command() {
 // --- Pictures. -----------------------------------------------------------------------------------
 
 void GigeCamera::update(const PictureSample& sample) {
-  live_until(sample.time);
+  // What is ready at the very instant at which the supply goes is taken before.
+  live_until(sample.time - Duration{1});
+  supply_.on() ? work_until(sample.time) : live_until(sample.time);
   if (!sample.picture) {
     ++counters_.skipped_pictures;
     return;

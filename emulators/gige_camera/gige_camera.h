@@ -16,6 +16,8 @@
 // - User-defined name, persistent address and IP configuration are kept in its memory.
 // - FORCEIP is acted on when nobody has control: the address that address() tells then is another.
 // - When control ends the acquisition ends and the stream is closed.
+// - Without supply it is not there; when that comes back it starts with its power-on registers and
+//   what its memory has, as after DeviceReset.
 //
 // What it is not: certified, or tested with other clients than Aravis and Wireshark. It has no
 // message channel, no actions, no IEEE 1588.
@@ -24,7 +26,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "emulators/device.h"
@@ -39,6 +43,7 @@
 #include "emulators/live_setting.h"
 #include "emulators/nonvolatile_memory.h"
 #include "emulators/random_bits.h"
+#include "emulators/supply.h"
 
 namespace rigwire::emulators {
 
@@ -95,6 +100,11 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   /// As FaultBook::end().
   bool end(GigeCameraFaults::Id id, SimTime now);
 
+  [[nodiscard]] Supply& supply() { return supply_; }
+  /// `moved` is called when it has another address by itself: a forced one does not outlive the
+  /// supply.
+  void inform_of_moves(std::function<void()> moved) { moved_ = std::move(moved); }
+
   [[nodiscard]] GigeCameraCounters counters() const;
   /// From exposure to exposure: what sensor and network allow as it is set, and what it keeps.
   [[nodiscard]] Duration shortest_period() const;
@@ -118,6 +128,10 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   [[nodiscard]] bool keep();
   void identify();
   void live_until(SimTime now);
+  /// But for the supply.
+  void work_until(SimTime now);
+  [[nodiscard]] SimTime next_work() const;
+  void switch_supply();
   void step();
   void restart();
 
@@ -159,6 +173,7 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   GigeCameraSettings settings_;
   GigeCameraFaults faults_;
   NonvolatileMemory& memory_;
+  Supply supply_;
   std::vector<CameraComponent> components_;
   std::string description_;
   RegisterBank bank_;
@@ -182,6 +197,7 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   bool reset_asked_ = false;
   std::uint32_t address_changes_ = 0;
   GigeCameraCounters counters_;
+  std::function<void()> moved_ = [] {};
 };
 
 }  // namespace rigwire::emulators

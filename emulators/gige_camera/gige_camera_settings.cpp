@@ -115,6 +115,9 @@ void validate(const GigeCameraSettings& settings) {
   for (const GigeCameraFault& fault : settings.faults) {
     fields::check(fault);
   }
+  for (const SupplyFault& fault : settings.supply_faults) {
+    fields::check(fault);
+  }
 }
 
 std::string address_text(std::uint32_t address) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "emulators/gige_camera/gige_camera_fault.h"
+#include "emulators/supply.h"
 #include "fields/rules.h"
 #include "protocols/gige_vision/gvcp.h"
 #include "sim/samples/picture_sample.h"
@@ -104,6 +105,7 @@ struct GigeCameraSettings {
   double temperature_limit_degc = 85.0;
 
   std::vector<GigeCameraFault> faults;
+  std::vector<SupplyFault> supply_faults;
   std::uint64_t seed = 1;  ///< Of the faults that have a probability.
 };
 

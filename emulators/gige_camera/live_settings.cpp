@@ -36,6 +36,9 @@ std::string_view tell_real(GigeCamera& camera, SimTime now, std::uint32_t addres
 std::string_view GigeCamera::configure(SimTime now, std::uint32_t address,
                                        std::span<const std::uint8_t> bytes) {
   live_until(now);
+  if (!supply_.on()) {
+    return "the camera has no supply";
+  }
   const RegisterBank::Written written = bank_.write(address, bytes, *this);
   live_until(now);
   switch (written.status) {

@@ -238,15 +238,26 @@ const ModbusService::Unit* ModbusService::find(std::uint8_t number) const {
   return place == 0 ? nullptr : &units_[place - 1];
 }
 
+bool ModbusService::alive(Unit& unit) {
+  if (std::exchange(unit.starts, unit.unit->starts()) != unit.starts) {
+    unit.diagnostics = {};
+  }
+  return unit.unit->supplied();
+}
+
 void ModbusService::bus_message() {
   for (Unit& unit : units_) {
-    unit.diagnostics.bus_message();
+    if (alive(unit)) {
+      unit.diagnostics.bus_message();
+    }
   }
 }
 
 void ModbusService::communication_error() {
   for (Unit& unit : units_) {
-    unit.diagnostics.communication_error();
+    if (alive(unit)) {
+      unit.diagnostics.communication_error();
+    }
   }
 }
 
@@ -256,6 +267,12 @@ void ModbusService::serve(SimTime now, std::uint8_t number, std::span<const std:
   answer.silent = false;
   answer.effects = {};
   unit.unit->advance(now);
+  if (!alive(unit)) {
+    ++received_.ignored;
+    ++unit.unit->received().ignored;
+    answer.silent = true;
+    return;
+  }
   unit.unit->received().bytes += pdu.size();
   unit.unit->last_request().note(now, pdu);
   const auto decoded = decode_request(pdu);
@@ -308,11 +325,11 @@ void ModbusService::broadcast(SimTime now, std::span<const std::uint8_t> pdu) {
   }
   ModbusAnswer unsent;
   for (Unit& unit : units_) {
-    if (unit.diagnostics.listen_only() || !unit.unit->has_function(pdu[0]) ||
+    unit.unit->advance(now);
+    if (!alive(unit) || unit.diagnostics.listen_only() || !unit.unit->has_function(pdu[0]) ||
         (!faults_.empty() && faults_.effects(now, unit.number, request).silence)) {
       continue;
     }
-    unit.unit->advance(now);
     unit.unit->received().bytes += pdu.size();
     unit.unit->last_request().note(now, pdu);
     unit.diagnostics.server_message();

@@ -1,9 +1,9 @@
 // The units of one Modbus line and what becomes of a request to one of them, whatever frames it.
 //
-// Order of what is looked at: the faults of the moment (silence, disconnection, an exception that
-// the line is told to give), then function (01), then quantity, byte count and value (03), then
-// address (02), then what only the device knows. A request acts at the instant given, at once and
-// whole.
+// Order of what is looked at: whether the unit has supply, the faults of the moment (silence,
+// disconnection, an exception that the line is told to give), then function (01), then quantity,
+// byte count and value (03), then address (02), then what only the device knows. A request acts at
+// the instant given, at once and whole.
 #pragma once
 
 #include <array>
@@ -102,9 +102,12 @@ class ModbusService {
     std::uint8_t number = 0;
     ModbusUnit* unit = nullptr;
     SerialDiagnostics diagnostics;
+    std::uint32_t starts = 1;  ///< Of the unit, when the diagnostics began.
   };
 
   [[nodiscard]] const Unit* find(std::uint8_t number) const;
+  /// Whether it has supply; its counters are those since it came.
+  [[nodiscard]] static bool alive(Unit& unit);
   void refuse(Unit& unit, std::uint8_t function, protocols::modbus::ExceptionCode code,
               bool wrong_length, ModbusAnswer& answer);
   void carry_out(SimTime now, Unit& unit, const protocols::modbus::Request& request,

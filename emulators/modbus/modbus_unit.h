@@ -27,6 +27,10 @@ class ModbusUnit {
 
   virtual ~ModbusUnit() = default;
 
+  /// A unit without supply hears nothing.
+  [[nodiscard]] virtual bool supplied() const { return true; }
+  /// How often it has been switched on: what the line counts of it begins anew with each.
+  [[nodiscard]] virtual std::uint32_t starts() const { return 1; }
   /// Lets the device behind the unit live up to `now`; the server calls it before each request.
   virtual void advance(SimTime /*now*/) {}
 

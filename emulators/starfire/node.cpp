@@ -24,11 +24,18 @@ constexpr std::array kQuantities{
 StarFireNode::StarFireNode(const StarFireSettings& settings, const Calendar& calendar,
                            FrameOutput& output)
     : J1939Device(make_name(settings.name, settings.serial, false), settings.source_address,
-                  {.power_on = settings.power_on, .faults = {}}, Duration{0}, output),
+                  settings.supply, Duration{0}, output),
       settings_(checked(settings)),
-      plan_{
-          calendar.align_to_gps(kStart + settings_.power_on + settings_.start_up, kStarFirePeriod),
-          kStarFirePeriod} {}
+      plan_{calendar.align_to_gps(kStart + settings_.supply.power_on + settings_.start_up,
+                                  kStarFirePeriod),
+            kStarFirePeriod} {}
+
+void StarFireNode::switched(SimTime now) {
+  ready_at_ = supplied() ? now + settings_.start_up : kNever;
+  publish_at_ = kNever;
+  report_ = {};
+  epochs_ = 0;
+}
 
 double StarFireNode::nominal_rate_hz() const {
   constexpr double kEachEpoch = 2.0 /*VP, VDS*/ + 1.0 / kQualityEpochs;
@@ -63,6 +70,9 @@ void StarFireNode::advance(SimTime now) {
 
 void StarFireNode::update(const GnssSample& sample) {
   advance(sample.time);
+  if (sample.time < ready_at_) {
+    return;
+  }
   report_.take(sample);
   publish_at_ = sample.time + settings_.latency;
   advance(sample.time);

@@ -40,10 +40,12 @@ class StarFireNode final : public J1939Device, public GnssBackend {
   J1939Answer answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
   J1939Reception take(SimTime now, const J1939Message& message) override;
   void send_group(SimTime now, std::uint32_t pgn);
+  void switched(SimTime now) override;
 
   StarFireSettings settings_;
   SamplePlan plan_;
   PositionReport report_;
+  SimTime ready_at_ = kNever;  ///< Without supply never.
   SimTime publish_at_ = kNever;
   std::uint64_t epochs_ = 0;
 };

@@ -58,7 +58,8 @@ StarFireReceiver::StarFireReceiver(const StarFireSettings& settings, const Calen
     : settings_(checked(settings)),
       calendar_(calendar),
       transmitter_(output, kTransmitBytes, settings_.baud),
-      plan_{calendar.align_to_gps(kStart + settings_.power_on + settings_.start_up,
+      supply_(settings_.supply),
+      plan_{calendar.align_to_gps(kStart + settings_.supply.power_on + settings_.start_up,
                                   settings_.sentence_period),
             settings_.sentence_period} {}
 
@@ -71,11 +72,23 @@ std::span<const Quantity> StarFireReceiver::quantities() const {
 }
 
 SimTime StarFireReceiver::next_event() const {
-  return std::min(transmitter_.next_event(), publish_at_);
+  return std::min(supply_.next_change(), next_work());
 }
 
 void StarFireReceiver::advance(SimTime now) {
-  for (SimTime event = next_event(); event <= now; event = next_event()) {
+  while (supply_.next_change() <= now) {
+    const SimTime instant = supply_.next_change();
+    live_until(instant);
+    supply_.change();
+    ready_at_ = supply_.on() ? instant + settings_.start_up : kNever;
+    publish_at_ = kNever;
+    transmitter_.clear();
+  }
+  live_until(now);
+}
+
+void StarFireReceiver::live_until(SimTime now) {
+  for (SimTime event = next_work(); event <= now; event = next_work()) {
     transmitter_.advance(event);
     if (publish_at_ <= event) {
       publish_at_ = kNever;
@@ -90,9 +103,14 @@ void StarFireReceiver::receive(SimTime now, std::span<const std::uint8_t> bytes)
 }
 
 void StarFireReceiver::update(const GnssSample& sample) {
+  // What is measured at the very instant at which the supply goes is lost after it was taken.
+  advance(sample.time - Duration{1});
+  supply_.on() ? live_until(sample.time) : advance(sample.time);
+  if (sample.time >= ready_at_) {
+    sample_ = sample;
+    publish_at_ = sample.time + settings_.latency;
+  }
   advance(sample.time);
-  sample_ = sample;
-  publish_at_ = sample.time + settings_.latency;
 }
 
 nmea::Epoch StarFireReceiver::epoch() {

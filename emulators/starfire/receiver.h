@@ -5,6 +5,7 @@
 // decimals is not known. docs/devices/starfire-3000.md has the sentences, sources and deviations.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "emulators/backends.h"
 #include "emulators/device.h"
 #include "emulators/starfire/settings.h"
+#include "emulators/supply.h"
 #include "emulators/ublox/transmitter.h"
 #include "protocols/nmea/epoch.h"
 #include "sim/samples/calendar.h"
@@ -37,8 +39,15 @@ class StarFireReceiver final : public SerialDevice, public GnssBackend {
 
   void receive(SimTime now, std::span<const std::uint8_t> bytes) override;
   void update(const GnssSample& sample) override;
+  /// Without supply nothing is sent; a chunk that is on the line is finished.
+  [[nodiscard]] Supply& supply() { return supply_; }
 
  private:
+  /// But for the supply.
+  void live_until(SimTime now);
+  [[nodiscard]] SimTime next_work() const {
+    return std::min(transmitter_.next_event(), publish_at_);
+  }
   /// The last sample in the words of the writers.
   [[nodiscard]] protocols::nmea::Epoch epoch();
   void publish(SimTime now);
@@ -46,7 +55,9 @@ class StarFireReceiver final : public SerialDevice, public GnssBackend {
   StarFireSettings settings_;
   Calendar calendar_;
   UbloxTransmitter transmitter_;
+  Supply supply_;
   SamplePlan plan_;
+  SimTime ready_at_ = kNever;  ///< Without supply never.
   GnssSample sample_;
   SimTime publish_at_ = kNever;
   std::vector<protocols::nmea::SatelliteInView> in_view_;

@@ -59,8 +59,7 @@ void visit(fields::Visitor& v, StarFireSettings& p) {
   v.integer("serial", p.serial, fields::IntegerRule{1, (1 << 21) - 1},
             "Identity number in the NAME; unique on a bus.");
   visit(v, p.name);
-  v.duration("power_on", p.power_on, {0, 86'400'000'000'000},
-             "When the supply comes, from the start of the run.");
+  visit(v, p.supply);
   v.duration("start_up", p.start_up, {0, 600'000'000'000}, "From power-on to the first position.");
   v.duration("latency", p.latency, {0, 90'000'000},
              "From the navigation epoch to what it sends of it.");
@@ -68,6 +67,7 @@ void visit(fields::Visitor& v, StarFireSettings& p) {
 
 void validate(const StarFireSettings& settings) {
   fields::check(settings);
+  validate(settings.supply);
   std::size_t bytes = 0;
   for (const std::string& name : settings.sentences) {
     const auto found = std::ranges::find(kSentences, name, &Sentence::name);

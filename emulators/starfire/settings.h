@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "emulators/j1939/identity.h"
+#include "emulators/supply.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -19,8 +20,8 @@ struct StarFireSettings {
   Duration sentence_period = std::chrono::seconds{1};  ///< 100 ms, 200 ms or 1 s.
   /// In the order in which they leave: GGA GSA RMC VTG ZDA.
   std::vector<std::string> sentences{"GGA", "GSA", "RMC", "VTG", "ZDA"};
-  std::string talker = "GP";                    ///< GP or GN.
-  Duration power_on{0};                         ///< From the start of the run; 0 .. 24 h.
+  std::string talker = "GP";  ///< GP or GN.
+  SupplySettings supply;
   Duration start_up = std::chrono::seconds{2};  ///< From there to the first sample; 0 .. 10 min.
   Duration latency =
       std::chrono::milliseconds{80};  ///< From the epoch to what it sends; 0 .. 90 ms.

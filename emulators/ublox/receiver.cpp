@@ -119,8 +119,11 @@ UbloxReceiver::UbloxReceiver(const UbloxSettings& settings, const Calendar& cale
       raw_(calendar, profile_.generation),
       second_(second, settings_.transmit_buffer_bytes, configuration_.second_uart().baud),
       corrections_(calendar),
-      version_(version_of(profile_)) {
-  start(kStart, settings_.time_to_first_fix == 0s ? UbloxMemory::everything() : UbloxMemory{});
+      version_(version_of(profile_)),
+      supply_({.power_on = Duration{0}, .faults = settings_.supply_faults}) {
+  if (supply_.next_change() <= kStart) {
+    switch_supply(kStart);
+  }
 }
 
 void UbloxReceiver::start(SimTime now, const UbloxMemory& memory) {
@@ -157,13 +160,9 @@ void UbloxReceiver::refresh_command() {
   }
 }
 
-void UbloxReceiver::power(SimTime now, bool on) {
-  advance(now);
-  if (on == powered_) {
-    return;
-  }
-  powered_ = on;
-  if (!on) {
+void UbloxReceiver::switch_supply(SimTime now) {
+  supply_.change();
+  if (!supply_.on()) {
     off_since_ = now;
     running_ = false;
     pending_count_ = 0;
@@ -173,9 +172,11 @@ void UbloxReceiver::power(SimTime now, bool on) {
     return;
   }
   UbloxMemory memory;
-  if (settings_.backup_battery) {
+  if (!off_since_) {
+    memory = settings_.time_to_first_fix == 0s ? UbloxMemory::everything() : UbloxMemory{};
+  } else if (settings_.backup_battery) {
     memory = UbloxMemory::everything();
-    memory.ephemerides = now - off_since_ < kOrbitLife;
+    memory.ephemerides = now - *off_since_ < kOrbitLife;
   } else {
     configuration_.forget();
   }
@@ -197,7 +198,7 @@ void UbloxReceiver::set_baud(std::uint32_t baud) {
 }
 
 void UbloxReceiver::plan_from(SimTime now) {
-  if (!navigating_ || !powered_) {
+  if (!navigating_ || !supply_.on()) {
     plan_ = {};
     return;
   }
@@ -210,7 +211,11 @@ void UbloxReceiver::plan_from(SimTime now) {
 }
 
 SimTime UbloxReceiver::next_event() const {
-  if (!powered_) {
+  return std::min(supply_.next_change(), next_work());
+}
+
+SimTime UbloxReceiver::next_work() const {
+  if (!supply_.on()) {
     return kNever;
   }
   SimTime next = std::min(transmitter_.next_event(), second_.line().next_event());
@@ -224,7 +229,16 @@ SimTime UbloxReceiver::next_event() const {
 }
 
 void UbloxReceiver::advance(SimTime now) {
-  for (SimTime event = next_event(); event <= now; event = next_event()) {
+  while (supply_.next_change() <= now) {
+    const SimTime instant = supply_.next_change();
+    live_until(instant);
+    switch_supply(instant);
+  }
+  live_until(now);
+}
+
+void UbloxReceiver::live_until(SimTime now) {
+  for (SimTime event = next_work(); event <= now; event = next_work()) {
     follow_line_noise(event);
     transmitter_.advance(event);
     second_.line().advance(event);
@@ -243,7 +257,9 @@ void UbloxReceiver::advance(SimTime now) {
 }
 
 void UbloxReceiver::update(const GnssSample& sample) {
-  advance(sample.time);
+  // What is measured at the very instant at which the supply goes is lost after it was taken.
+  advance(sample.time - Duration{1});
+  supply_.on() ? live_until(sample.time) : advance(sample.time);
   if (!running_ || !navigating_ || pending_count_ == kPending) {
     ++counters_.samples_refused;
     return;

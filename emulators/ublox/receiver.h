@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "emulators/backends.h"
 #include "emulators/device.h"
 #include "emulators/live_setting.h"
+#include "emulators/supply.h"
 #include "emulators/ublox/base_station.h"
 #include "emulators/ublox/configuration.h"
 #include "emulators/ublox/correction_input.h"
@@ -48,8 +50,8 @@ struct UbloxCounters {
 
 class UbloxReceiver final : public SerialDevice, public GnssBackend {
  public:
-  /// Powered on at kStart. Throws as validate(settings). The outputs must outlive the receiver;
-  /// `second` is what its second UART sends to, of types that have one.
+  /// Powered on at kStart, where no fault says otherwise. Throws as validate(settings). The outputs
+  /// must outlive the receiver; `second` is what its second UART sends to, of types that have one.
   UbloxReceiver(const UbloxSettings& settings, const Calendar& calendar, ByteOutput& output,
                 ByteOutput& second = nowhere());
 
@@ -66,9 +68,11 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   /// CFG-RST.
   [[nodiscard]] SamplePlan sample_plan() const override { return plan_; }
 
-  /// Switches the supply. With a backup battery time, orbits (for four hours) and the saved
-  /// configuration outlive it; without, nothing does.
-  void power(SimTime now, bool on);
+  /// Without supply nothing is sent and nothing heard; a chunk that is on the line is finished.
+  /// With a backup battery time, orbits (for four hours) and the saved configuration outlive that;
+  /// without, nothing does.
+  [[nodiscard]] Supply& supply() { return supply_; }
+  [[nodiscard]] const Supply& supply() const { return supply_; }
 
   /// One more fault; it begins no earlier than the receiver was advanced to.
   FaultBook<UbloxFault>::Id begin(const UbloxFault& fault) { return faults_.add(fault); }
@@ -109,6 +113,10 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   static_assert(kInputBytes > protocols::nmea::kMaximumSentence);
 
   // receiver.cpp: life and epochs.
+  /// But for the supply.
+  void live_until(SimTime now);
+  [[nodiscard]] SimTime next_work() const;
+  void switch_supply(SimTime now);
   void start(SimTime now, const UbloxMemory& memory);
   void begin_navigation(SimTime now, const UbloxMemory& memory);
   void plan_from(SimTime now);
@@ -180,11 +188,11 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   UbloxBaseStation base_;
   std::vector<std::uint8_t> version_;  ///< Payload of MON-VER.
 
-  bool powered_ = true;
-  SimTime off_since_ = kStart;
-  SimTime ready_ = kStart;  ///< End of start-up.
-  bool running_ = false;    ///< Start-up is over.
-  bool navigating_ = true;  ///< Not stopped by CFG-RST.
+  Supply supply_;
+  std::optional<SimTime> off_since_;  ///< Nothing: it has not been on yet.
+  SimTime ready_ = kStart;            ///< End of start-up.
+  bool running_ = false;              ///< Start-up is over.
+  bool navigating_ = true;            ///< Not stopped by CFG-RST.
   SamplePlan plan_;
   std::uint64_t epoch_number_ = 0;
 

@@ -136,6 +136,9 @@ void validate(const UbloxSettings& settings) {
   for (const std::string& name : settings.uart2_messages) {
     const std::size_t index = message_index(profile, name);
     if (index == profile.messages.size() || !profile.messages[index].rtcm) {
+  for (const SupplyFault& fault : settings.supply_faults) {
+    fields::check(fault);
+  }
       std::string allowed;
       for (const auto& message : profile.messages) {
         if (message.rtcm) {

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "emulators/supply.h"
 #include "emulators/ublox/profile.h"
 #include "fields/rules.h"
 #include "sim/samples/fault_book.h"
@@ -95,3 +96,4 @@ void validate(const UbloxSettings& settings);
 [[nodiscard]] std::span<const std::uint32_t> ublox_bauds();
 
 }  // namespace rigwire::emulators
+  std::vector<SupplyFault> supply_faults;

@@ -102,6 +102,29 @@ void ValveAmplifier::forget_suspicions() {
   under_voltage_since_ = kNever;
 }
 
+void ValveAmplifier::restart(SimTime now) {
+  advance(now);
+  parameters_ = settings_.parameters;
+  enable_wanted_ = false;
+  reset_wanted_ = false;
+  quick_stop_ = false;
+  section_on_.fill(true);
+  float_wanted_.fill(false);
+  commanded_.fill(0.0);
+  enabled_ = false;
+  watchdog_tripped_ = false;
+  fault_ = ValveFault::none;
+  fault_section_.reset();
+  active_reaction_ = ValveReaction::neutral;
+  next_ramp_ = kNever;
+  measured_ = {};
+  measured_.oil_temperature_c = 0.0;
+  measurements_ = 0;
+  forget_suspicions();
+  release(now);
+  refresh_set_points(now);
+}
+
 SimTime ValveAmplifier::watchdog_deadline() const {
   return enabled_ && parameters_.watchdog > Duration{0} ? fed_ + parameters_.watchdog : kNever;
 }

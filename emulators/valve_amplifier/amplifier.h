@@ -84,6 +84,9 @@ class ValveAmplifier {
   /// The master is alive.
   void feed(SimTime now);
   void set_parameters(SimTime now, const ValveAmplifierParameters& parameters);
+  /// The supply went or came: outputs at neutral; what a master has set and what was latched is
+  /// forgotten, defects stay.
+  void restart(SimTime now);
   /// One more defect; it begins no earlier than the amplifier was advanced to. Throws
   /// std::invalid_argument for a section that there is not.
   ValveDefects::Id begin(const ValveDefect& defect);

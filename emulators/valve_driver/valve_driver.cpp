@@ -97,13 +97,29 @@ ValveDriver::ValveDriver(const ValveDriverSettings& settings)
       image_(map_),
       amplifier_(settings.amplifier),
       enabled_by_section_(enabled_by_section(map_)),
+      supply_({.power_on = Duration{0}, .faults = settings_.supply_faults}),
       feed_(map_.watchdog_feed),
       unit_(*this) {
-  power_up();
+  if (supply_.next_change() <= kStart) {
+    switch_supply(kStart);
+  }
   describe_quantities();
 }
 
-void ValveDriver::power_up() {
+void ValveDriver::switch_supply(SimTime now) {
+  supply_.change();
+  amplifier_.restart(now);
+  if (supply_.on()) {
+    ++starts_;
+    power_up(now);
+  }
+}
+
+void ValveDriver::power_up(SimTime now) {
+  feed_ = map_.watchdog_feed;
+  towards_a_.fill(0.0);
+  towards_b_.fill(0.0);
+  heartbeat_ = 0;
   Change change;
   change.parameters = amplifier_.parameters();
   change.request.enable = map_.always_enabled;
@@ -118,7 +134,7 @@ void ValveDriver::power_up() {
       }
     }
   }
-  act(kStart, change);
+  act(now, change);
   for (const ValveRegister& entry : map_.registers) {
     for (std::size_t i = 0; entry.writable && !entry.initial && i < entry.count; ++i) {
       image_.set(entry, i, encode_count(entry, count_of(entry, i)));
@@ -129,6 +145,11 @@ void ValveDriver::power_up() {
 }
 
 void ValveDriver::advance(SimTime now) {
+  while (supply_.next_change() <= now) {
+    const SimTime instant = supply_.next_change();
+    amplifier_.advance(instant);
+    switch_supply(instant);
+  }
   amplifier_.advance(now);
   now_ = now;
 }
@@ -138,8 +159,10 @@ SamplePlan ValveDriver::sample_plan() const {
 }
 
 void ValveDriver::update(const ValveSample& sample) {
-  amplifier_.update(sample);
-  now_ = std::max(now_, sample.time);
+  advance(sample.time);
+  if (supply_.on()) {
+    amplifier_.update(sample);
+  }
 }
 
 void ValveDriver::feed(SimTime now) {
@@ -361,6 +384,9 @@ void visit(fields::Visitor& v, ValveDriverSettings& p) {
 void validate(const ValveDriverSettings& settings) {
   fields::check(settings);
   validate(settings.amplifier);
+  for (const SupplyFault& fault : settings.supply_faults) {
+    fields::check(fault);
+  }
   if (settings.map) {
     validate(*settings.map);
     return;

@@ -9,9 +9,12 @@
 //     registers too. So it is section by section where a map enables them one by one.
 //   - A command in two halves is command_a less command_b, as the currents of two solenoids pull
 //     against each other.
+//   - Without supply it hears nothing and its outputs are at neutral. When that comes back the
+//     registers are as delivered, and nothing is enabled or latched.
 //   - Registers of sections that are not fitted take a command of 0 only and read 0.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -22,6 +25,7 @@
 #include "emulators/backends.h"
 #include "emulators/device.h"
 #include "emulators/modbus/modbus_unit.h"
+#include "emulators/supply.h"
 #include "emulators/valve_amplifier/amplifier.h"
 #include "emulators/valve_driver/register_image.h"
 #include "emulators/valve_driver/registers.h"
@@ -36,6 +40,7 @@ struct ValveDriverSettings {
   Duration sample_period = std::chrono::milliseconds(5);  ///< Transducers, 1 ms .. 1 s.
   /// Without: Rigwire's own. Its initial values beat the amplifier's parameters.
   std::optional<ValveMap> map;
+  std::vector<SupplyFault> supply_faults;
 };
 /// Without the map, which comes from a file of its own.
 void visit(fields::Visitor& v, ValveDriverSettings& p);
@@ -51,7 +56,9 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
   [[nodiscard]] const LastRequest& last_request() const { return unit_.last_request(); }
 
   void advance(SimTime now) override;
-  [[nodiscard]] SimTime next_event() const override { return amplifier_.next_event(); }
+  [[nodiscard]] SimTime next_event() const override {
+    return std::min(supply_.next_change(), amplifier_.next_event());
+  }
   [[nodiscard]] SamplePlan sample_plan() const override;
   [[nodiscard]] ReceiveCounters received() const override { return unit_.received(); }
   [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
@@ -63,6 +70,7 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
   [[nodiscard]] const ValveAmplifier& amplifier() const { return amplifier_; }
   /// What goes wrong with coils, spools, sensors and their surroundings.
   [[nodiscard]] ValveAmplifier& defects() { return amplifier_; }
+  [[nodiscard]] Supply& supply() { return supply_; }
   [[nodiscard]] const ValveMap& map() const { return map_; }
   [[nodiscard]] ValveFault fault() const { return amplifier_.fault(); }
   [[nodiscard]] bool enabled() const { return amplifier_.enabled(); }
@@ -76,6 +84,8 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
    public:
     explicit Unit(ValveDriver& driver);
     void advance(SimTime now) override { driver_.advance(now); }
+    [[nodiscard]] bool supplied() const override { return driver_.supply_.on(); }
+    [[nodiscard]] std::uint32_t starts() const override { return driver_.starts_; }
     Outcome read_registers(RegisterTable table, std::uint16_t address,
                            std::span<std::uint16_t> values) const override;
     Outcome write_registers(SimTime now, std::uint16_t address,
@@ -133,7 +143,9 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
   void count_heartbeat(SimTime now, std::uint16_t value);
   void feed(SimTime now);
   void forget_commands();
-  void power_up();
+  /// Registers as delivered, and what follows from them.
+  void power_up(SimTime now);
+  void switch_supply(SimTime now);
   void describe_quantities();
 
   const ValveDriverSettings settings_;
@@ -141,6 +153,8 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
   RegisterImage image_;
   ValveAmplifier amplifier_;
   const bool enabled_by_section_;
+  Supply supply_;
+  std::uint32_t starts_ = 0;
   WatchdogFeed feed_ = WatchdogFeed::any_request;
   std::array<double, kValveSections> towards_a_{};  ///< As the master last wrote them, %.
   std::array<double, kValveSections> towards_b_{};

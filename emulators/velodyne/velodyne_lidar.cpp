@@ -152,6 +152,7 @@ VelodyneLidar::VelodyneLidar(const VelodyneSettings& settings, const Calendar& c
     : settings_(settings),
       model_(checked_model(settings_)),
       faults_(settings_.faults),
+      supply_({.power_on = Duration{0}, .faults = settings_.supply_faults}),
       data_(data, faults_, settings_.seed, FaultyCable::Swapping::as_the_faults_say),
       position_(position, faults_, ~settings_.seed, FaultyCable::Swapping::never),
       live_(settings_.saved),
@@ -179,7 +180,13 @@ VelodyneLidar::VelodyneLidar(const VelodyneSettings& settings, const Calendar& c
                   {"azimuth", "deg", 0.0, 359.99, 0.01},
                   {"reflectivity", "%", 0.0, 100.0, 1.0},
                   {"time of hour", "us", 0.0, 3599999999.0, 1.0}}};
-  power_up(kStart, settings_.start_up);
+  if (supply_.next_change() <= kStart) {
+    supply_.change();
+    was_on_ = true;
+    power_up(kStart, settings_.start_up);
+  } else {
+    power_down(kStart);
+  }
 }
 
 void VelodyneLidar::build_pattern() {
@@ -225,6 +232,17 @@ void VelodyneLidar::power_up(SimTime now, Duration start_up) {
   command_head(now);
 }
 
+void VelodyneLidar::power_down(SimTime now) {
+  running_from_ = kNever;
+  assembly_.discard();
+  data_.clear();
+  packet_complete_at_ = now + packet_period(model_, live_.return_mode);
+  expected_time_ = kNever;
+  phase_locked_ = false;
+  next_position_ = kNever;
+  command_head(now);
+}
+
 SamplePlan VelodyneLidar::sample_plan() const {
   return {kStart + pattern_.firing_period, pattern_.firing_period};
 }
@@ -241,11 +259,33 @@ double VelodyneLidar::nominal_rate_hz() const {
 }
 
 SimTime VelodyneLidar::next_event() const {
-  return std::min({next_position_, next_command_, time_input_.next_event()});
+  return std::min(supply_.next_change(), next_work());
+}
+
+SimTime VelodyneLidar::next_work() const {
+  return supply_.on() ? std::min({next_position_, next_command_, time_input_.next_event()})
+                      : kNever;
 }
 
 void VelodyneLidar::advance(SimTime now) {
-  for (SimTime event = next_event(); event <= now; event = next_event()) {
+  while (supply_.next_change() <= now) {
+    const SimTime instant = supply_.next_change();
+    live_until(instant);
+    supply_.change();
+    if (!supply_.on()) {
+      power_down(instant);
+    } else if (was_on_) {
+      restart(instant);
+    } else {
+      was_on_ = true;
+      power_up(instant, settings_.start_up);
+    }
+  }
+  live_until(now);
+}
+
+void VelodyneLidar::live_until(SimTime now) {
+  for (SimTime event = next_work(); event <= now; event = next_work()) {
     if (event == time_input_.next_event()) {
       handle_time_input();
       command_head(event);
@@ -320,7 +360,9 @@ void VelodyneLidar::command_head(SimTime now) {
 }
 
 void VelodyneLidar::update(const LidarFiring& bank) {
-  advance(bank.time);
+  // What is fired at the very instant at which the supply goes is taken before.
+  advance(bank.time - Duration{1});
+  supply_.on() ? live_until(bank.time) : advance(bank.time);
   if (starting_up(bank.time)) {
     return;
   }
@@ -478,6 +520,10 @@ void VelodyneLidar::save(SimTime now) {
 
 void VelodyneLidar::reset(SimTime now) {
   advance(now);
+  restart(now);
+}
+
+void VelodyneLidar::restart(SimTime now) {
   take(saved_);
   power_up(now, settings_.start_up == Duration::zero() ? kResetTime : settings_.start_up);
 }

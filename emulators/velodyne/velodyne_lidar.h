@@ -10,7 +10,9 @@
 // firing, rounded, never backward. Firings outside the view make no blocks; a packet is filled up
 // across the gap. A gap in the firing clock itself drops the unfinished packet.
 //
-// Changed settings act on the next firing, a changed return mode on the next packet.
+// Changed settings act on the next firing, a changed return mode on the next packet. Without supply
+// the rotor runs down; when it comes back the sensor starts as after a reset, with what it has
+// saved.
 //
 // Sources and deviations: docs/devices/velodyne.md.
 #pragma once
@@ -24,6 +26,7 @@
 #include "emulators/backends.h"
 #include "emulators/device.h"
 #include "emulators/random_bits.h"
+#include "emulators/supply.h"
 #include "emulators/velodyne/faulty_cable.h"
 #include "emulators/velodyne/packet_assembly.h"
 #include "emulators/velodyne/return_encoder.h"
@@ -87,8 +90,11 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   void reset(SimTime now) override;
   [[nodiscard]] VelodyneReadings readings(SimTime now) const override;
 
-  /// From power-up or reset until the start-up time is over: no packets, no web interface.
+  /// Without supply, and from power-up or reset until the start-up time is over: no packets, no web
+  /// interface.
   [[nodiscard]] bool starting_up(SimTime now) const { return now < running_from_; }
+  [[nodiscard]] Supply& supply() { return supply_; }
+  [[nodiscard]] const Supply& supply() const { return supply_; }
   [[nodiscard]] VelodyneDestination data_destination() const;
   [[nodiscard]] VelodyneDestination position_destination() const;
   /// Rises whenever a destination may have changed.
@@ -110,6 +116,11 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
 
   void build_pattern();
   void power_up(SimTime now, Duration start_up);
+  void power_down(SimTime now);
+  void restart(SimTime now);
+  /// But for the supply.
+  void live_until(SimTime now);
+  [[nodiscard]] SimTime next_work() const;
   void take(const VelodyneLiveSettings& settings);
   void command_head(SimTime now);
   void handle_time_input();
@@ -127,6 +138,8 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   const VelodyneSettings settings_;
   const protocols::velodyne::Model& model_;
   VelodyneFaults faults_;
+  Supply supply_;
+  bool was_on_ = false;
   FaultyCable data_;
   FaultyCable position_;
   LidarPattern pattern_;

@@ -316,6 +316,9 @@ void validate(const VelodyneSettings& settings) {
     refuse("range limits are " + std::to_string(minimum) + " m and " + std::to_string(maximum) +
            " m, allowed: minimum < maximum");
   }
+  for (const SupplyFault& fault : settings.supply_faults) {
+    fields::check(fault);
+  }
   for (const VelodyneFault& fault : settings.faults) {
     check_fault(fault, settings);
   }

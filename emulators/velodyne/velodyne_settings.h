@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "emulators/live_setting.h"
+#include "emulators/supply.h"
 #include "emulators/velodyne/velodyne_control.h"
 #include "emulators/velodyne/velodyne_fault.h"
 #include "fields/rules.h"
@@ -110,6 +111,7 @@ struct VelodyneSettings {
       kDefaultInertialAxes;
 
   std::vector<VelodyneFault> faults;
+  std::vector<SupplyFault> supply_faults;
   /// Of what is drawn for the unit, and of the faults that have a probability.
   std::uint64_t seed = 1;
 };

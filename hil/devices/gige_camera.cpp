@@ -132,8 +132,11 @@ class GigeCameraDevice final : public Device {
         camera_(seeded(settings_of(configuration), site), *memory_, control_outlet_,
                 stream_outlet_),
         station_(camera_, camera_) {
-    offer(make_fault_port(configuration.camera.faults,
+    offer(make_fault_port(those_of<emulators::GigeCameraFault>(configuration.faults),
                           acted_by<emulators::GigeCameraFault>(camera_)));
+    offer(make_fault_port(those_of<emulators::SupplyFault>(configuration.faults),
+                          acted_by<emulators::SupplyFault>(camera_.supply())));
+    camera_.inform_of_moves([this] { follow_soon(); });
     follow_address();  // that was saved
     camera_.set_stream_port(ports_->stream.local_port());
   }
@@ -202,17 +205,23 @@ class GigeCameraDevice final : public Device {
             last_request_ = {now, std::move(*request)};
           }
           camera_.receive(now, {from.address, from.port}, datagram);
-          if (camera_.address_changes() != followed_changes_ && !follows_) {
-            // Not here: the port would be closed while it hands over.
-            follows_ = true;
-            boost::asio::post(io_, [this, alive = std::weak_ptr<char>(alive_)] {
-              if (!alive.expired()) {
-                follow_address();
-                listen();
-              }
-            });
+          if (camera_.address_changes() != followed_changes_) {
+            follow_soon();
           }
         });
+  }
+
+  /// Not at once: a port would be closed while it hands over.
+  void follow_soon() {
+    if (std::exchange(follows_, true)) {
+      return;
+    }
+    boost::asio::post(io_, [this, alive = std::weak_ptr<char>(alive_)] {
+      if (!alive.expired()) {
+        follow_address();
+        listen();
+      }
+    });
   }
 
   /// The answer to what moved it has gone or goes from the new place. Where that cannot be had, the
@@ -273,6 +282,8 @@ GigeCameraConfiguration::GigeCameraConfiguration(sim::CameraKind kind, std::stri
 
 GigeCameraSettings settings_of(const GigeCameraConfiguration& p) {
   GigeCameraSettings settings = p.camera;
+  settings.faults = those_of<emulators::GigeCameraFault>(p.faults);
+  settings.supply_faults = those_of<emulators::SupplyFault>(p.faults);
   const sim::CameraAbilities abilities = sim::abilities_of(p.sensor);
   settings.kind = kind_of(p.sensor);
   settings.address = network_of(p);
@@ -313,7 +324,7 @@ void GigeCameraConfiguration::visit(fields::Visitor& v) {
   v.boolean("sees_own_link", sees_own_link, "Whether it can see the link that it is mounted on.");
   std::visit([&v](auto& kind) { v.section("sensor", kind, "Lens, image sensor, how it renders."); },
              sensor);
-  v.list("faults", camera.faults, "What goes wrong with the device, and when.");
+  v.list("faults", faults, "What goes wrong with the device, and when.");
 }
 
 void GigeCameraConfiguration::validate() const {
@@ -369,11 +380,11 @@ void GigeCameraConfiguration::check(const std::string& at, RigCheck& check) cons
 }
 
 void GigeCameraConfiguration::each_fault(const FaultEar& take) {
-  show_faults(camera.faults, take);
+  show_faults(faults, take);
 }
 
 std::vector<fields::Named> GigeCameraConfiguration::fault_kinds() const {
-  return hil::fault_kinds<emulators::GigeCameraFault>();
+  return mixed_kinds(faults);
 }
 
 std::vector<LiveKey> GigeCameraConfiguration::live_keys() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "emulators/gige_camera/gige_camera_settings.h"
+#include "hil/configuration/fault_window.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/world/shapes.h"
 #include "sim/camera/camera_kinds.h"
@@ -27,6 +28,7 @@ struct GigeCameraConfiguration final : DeviceConfigurationOf<GigeCameraConfigura
   Duration processing = std::chrono::milliseconds(100);
   emulators::GigeCameraSettings camera;  ///< But for what settings_of() fills in from the others.
   sim::CameraKind sensor;
+  std::vector<MixedFault<emulators::GigeCameraFault, emulators::SupplyFault>> faults;
 
   /// The kind's values stand for its defaults; `model` is what the device calls itself.
   explicit GigeCameraConfiguration(sim::CameraKind kind = sim::CameraParameters(),

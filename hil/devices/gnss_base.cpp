@@ -29,7 +29,7 @@ struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration
   Duration period = std::chrono::seconds{1};
   std::uint32_t baud = 115'200;
   sim::GnssParameters sensor;
-  std::vector<sim::GnssFault> faults;
+  std::vector<MixedFault<sim::GnssFault, emulators::SupplyFault>> faults;
 
   GnssBaseConfiguration() {
     sensor.sky.maximum_channels = emulators::ublox_zed_f9p().channels;
@@ -54,7 +54,7 @@ struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration
     v.integer("baud", baud, fields::IntegerRule{4800, 921'600, fields::unit("bit/s")},
               "Speed of its line, 8N1.");
     v.section("sensor", sensor, "How well it measures.");
-    v.list("faults", faults, "What happens to its signals, and when.");
+    v.list("faults", faults, "What goes wrong with the device, and when.");
   }
   [[nodiscard]] emulators::UbloxSettings settings() const {
     emulators::UbloxSettings settings;
@@ -66,6 +66,7 @@ struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration
     settings.uart2_baud = baud;
     settings.station = station;
     settings.uses_corrections = false;
+    settings.supply_faults = those_of<emulators::SupplyFault>(faults);
     return settings;
   }
   void validate() const override {
@@ -74,13 +75,11 @@ struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration
     check_corrections(sensor.corrections.kind, false, "gnss-base");
   }
   void check(const std::string& at, RigCheck& check) const override {
-    for (std::size_t i = 0; i < faults.size(); ++i) {
-      check_bands(faults[i], i, bands_of(sensor), at, check);
-    }
+    check_bands(faults, bands_of(sensor), at, check);
   }
   void each_fault(const FaultEar& take) override { show_faults(faults, take); }
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
-    return hil::fault_kinds<sim::GnssFault>();
+    return mixed_kinds(faults);
   }
   [[nodiscard]] DevicePlan plan(const RigView& /*rig*/) const override {
     return {fmt::format("a line to its rovers at {} baud", baud),
@@ -116,7 +115,9 @@ class GnssBaseDevice final : public Device, private CorrectionSource {
         station_(receiver_, receiver_) {
     line_.baud = configuration.baud;
     offer(antenna_faults(site.executive(), station_, bands_of(configuration.sensor),
-                         configuration.faults));
+                         those_of<sim::GnssFault>(configuration.faults)));
+    offer(make_fault_port(those_of<emulators::SupplyFault>(configuration.faults),
+                          acted_by<emulators::SupplyFault>(receiver_.supply())));
   }
 
   [[nodiscard]] StationIndex enlist(Executive& executive) { return executive.add(station_); }
@@ -163,7 +164,7 @@ class GnssBaseDevice final : public Device, private CorrectionSource {
 std::unique_ptr<Device> GnssBaseConfiguration::make(Site& site) const {
   auto device = std::make_unique<GnssBaseDevice>(*this, site);
   set_up_antenna(site, device->enlist(site.executive()), {position_m.x, position_m.y, position_m.z},
-                 sensor, faults);
+                 sensor, those_of<sim::GnssFault>(faults));
   return device;
 }
 

@@ -12,6 +12,7 @@
 #include "hil/world/gnss.h"
 #include "hil/world/imu.h"
 #include "hil/world/joint.h"
+#include "hil/world/truth_faults.h"
 #include "sim/encoder/joint_angle.h"
 
 namespace rigwire::hil {
@@ -54,34 +55,23 @@ void check_corrections(sim::CorrectionKind kind, bool takes_them, std::string_vi
   }
 }
 
-void check_bands(const sim::GnssFault& fault, std::size_t index, RadioBands bands,
-                 const std::string& at, RigCheck& check) {
-  if (bands == RadioBands::one && sim::tells_bands_apart(fault)) {
-    const auto band = std::get<sim::JammingFault>(fault.what).band;
+void check_band(const sim::JammingFault& jamming, std::size_t index, RadioBands bands,
+                const std::string& at, RigCheck& check) {
+  if (bands == RadioBands::one && jamming.band != sim::JammedBand::all) {
     check.report(fmt::format("{}.faults.{}.band", at, index), "this receiver has one band",
-                 band == sim::JammedBand::l1 ? "l1" : "l2", "all");
+                 jamming.band == sim::JammedBand::l1 ? "l1" : "l2", "all");
   }
 }
 
 std::unique_ptr<FaultPort> antenna_faults(const Executive& executive, Station& station,
                                           RadioBands bands,
                                           const std::vector<sim::GnssFault>& faults) {
-  using Change = FaultChange<sim::GnssFault>;
-  return make_fault_port<sim::GnssFault>(
-      faults, {.begin =
-                   [&station, bands](const sim::GnssFault& fault) {
-                     if (bands == RadioBands::one && sim::tells_bands_apart(fault)) {
-                       throw std::invalid_argument("band: this receiver has one band, allowed all");
-                     }
-                     station.send(Change{.begin = fault});
-                   },
-               .end =
-                   [&station](std::uint32_t id, SimTime at) {
-                     station.send(Change{.begin = {}, .end_of = id, .end_at = at});
-                     return true;
-                   },
-               .soonest = [&executive](
-                              SimTime now) { return std::max(now, executive.soonest_request()); }});
+  return truth_faults<sim::GnssFault>(
+      executive, station, faults, [bands](const sim::GnssFault& fault) {
+        if (bands == RadioBands::one && sim::tells_bands_apart(fault)) {
+          throw std::invalid_argument("band: this receiver has one band, allowed all");
+        }
+      });
 }
 
 void mount_inertial_unit(Site& site, StationIndex station, const MountConfiguration& mount,

@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "fields/visitor.h"
-#include "hil/configuration/fault_port.h"
 #include "hil/devices/rig_check.h"
 #include "hil/devices/site.h"
 #include "hil/executive/station.h"
@@ -26,14 +26,22 @@ enum class RadioBands : unsigned char { one, two };
   return sensor.second_signals ? RadioBands::two : RadioBands::one;
 }
 
-/// The port for more of them: the antenna hears of them through its station. Both must outlive it.
-/// What happens to one band alone is refused where there is but one.
+/// The port for more of them, as truth_faults() makes it. What happens to one band alone is refused
+/// where there is but one.
 [[nodiscard]] std::unique_ptr<FaultPort> antenna_faults(const Executive& executive,
                                                         Station& station, RadioBands bands,
                                                         const std::vector<sim::GnssFault>& faults);
 /// The same of fault `index` in the list of a rig's file; `at`: the path of the device's keys.
-void check_bands(const sim::GnssFault& fault, std::size_t index, RadioBands bands,
-                 const std::string& at, RigCheck& check);
+void check_band(const sim::JammingFault& jamming, std::size_t index, RadioBands bands,
+                const std::string& at, RigCheck& check);
+template <class Faults>
+void check_bands(const Faults& faults, RadioBands bands, const std::string& at, RigCheck& check) {
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    if (const auto* const jamming = std::get_if<sim::JammingFault>(&faults[i].what)) {
+      check_band(*jamming, i, bands, at, check);
+    }
+  }
+}
 
 /// The same on the ground, at that place in the world.
 void set_up_antenna(Site& site, StationIndex station, const Eigen::Vector3d& p_W,

@@ -29,7 +29,7 @@ class BothSides final : public emulators::Device, public emulators::GnssBackend 
  public:
   template <class Side>
   void add(Side& side) {
-    sides_.push_back({&side, &side});
+    sides_.push_back({&side, &side, &side.supply()});
   }
 
   void advance(SimTime now) override {
@@ -77,8 +77,8 @@ class BothSides final : public emulators::Device, public emulators::GnssBackend 
     return sides_.front().device->quantities();
   }
   void update(const GnssSample& sample) override {
-    for (FixListener* listener : listeners) {
-      listener->observe_fix(sample);
+    for (std::size_t i = 0; sides_.front().supply->on() && i < listeners.size(); ++i) {
+      listeners[i]->observe_fix(sample);
     }
     for (const Side& side : sides_) {
       const SamplePlan plan = side.device->sample_plan();
@@ -88,12 +88,27 @@ class BothSides final : public emulators::Device, public emulators::GnssBackend 
     }
   }
 
+  // The supply is one, of which each side keeps a book.
+  void begin(const emulators::SupplyFault& fault) {
+    for (const Side& side : sides_) {
+      side.supply->begin(fault);
+    }
+  }
+  bool end(std::uint32_t id, SimTime now) {
+    bool ended = false;
+    for (const Side& side : sides_) {
+      ended = side.supply->end(id, now);
+    }
+    return ended;
+  }
+
   std::vector<FixListener*> listeners;  ///< Hear of every fix.
 
  private:
   struct Side {
     emulators::Device* device;
     emulators::GnssBackend* backend;
+    emulators::Supply* supply;
   };
   std::vector<Side> sides_;
 };
@@ -103,23 +118,26 @@ class StarFireDevice final : public Device, private FixSource {
   /// `bus` is null without a node.
   StarFireDevice(const StarFireConfiguration& configuration, Site& site, RigCan* bus)
       : check_baud_(configuration.check_baud), bus_(bus) {
+    const emulators::StarFireSettings settings =
+        with_supply_faults(configuration.receiver, configuration.faults);
     if (!configuration.path.empty()) {
       line_ = open_serial_ports(site.io(), configuration.path, configuration.ports,
                                 configuration.receiver.baud);
       outlet_.emplace(*line_, own_statistics());
       quality_.emplace(*outlet_, site.device_seed());
       quality_->set_device_baud(configuration.receiver.baud);
-      receiver_.emplace(configuration.receiver, site.calendar(), *quality_);
+      receiver_.emplace(settings, site.calendar(), *quality_);
       sides_.add(*receiver_);
     }
     if (bus != nullptr) {
       exit_ = &bus->add_node(own_statistics());
-      node_.emplace(configuration.receiver, site.calendar(), *exit_);
+      node_.emplace(settings, site.calendar(), *exit_);
       bus->attach(*exit_, *node_);
       sides_.add(*node_);
     }
     offer(antenna_faults(site.executive(), station_, bands_of(configuration.sensor),
-                         configuration.faults));
+                         those_of<sim::GnssFault>(configuration.faults)));
+    offer(make_fault_port(settings.supply.faults, acted_by<emulators::SupplyFault>(sides_)));
   }
 
   [[nodiscard]] StationIndex enlist(Executive& executive) {
@@ -208,9 +226,7 @@ void StarFireConfiguration::check(const std::string& at, RigCheck& check) const 
   if (!bus.empty()) {
     check.j1939_node(at, bus, receiver.source_address, receiver.serial);
   }
-  for (std::size_t i = 0; i < faults.size(); ++i) {
-    check_bands(faults[i], i, bands_of(sensor), at, check);
-  }
+  check_bands(faults, bands_of(sensor), at, check);
   check.link(at + ".mount.link", mount.link);
 }
 
@@ -219,7 +235,7 @@ void StarFireConfiguration::each_fault(const FaultEar& take) {
 }
 
 std::vector<fields::Named> StarFireConfiguration::fault_kinds() const {
-  return hil::fault_kinds<sim::GnssFault>();
+  return mixed_kinds(faults);
 }
 
 DevicePlan StarFireConfiguration::plan(const RigView& /*rig*/) const {
@@ -263,7 +279,8 @@ DeviceDescription StarFireConfiguration::describe() const {
 std::unique_ptr<Device> StarFireConfiguration::make(Site& site) const {
   auto device =
       std::make_unique<StarFireDevice>(*this, site, bus.empty() ? nullptr : &site.bus(bus));
-  mount_antenna(site, device->enlist(site.executive()), mount, sensor, faults);
+  mount_antenna(site, device->enlist(site.executive()), mount, sensor,
+                those_of<sim::GnssFault>(faults));
   return device;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "emulators/starfire/settings.h"
+#include "hil/configuration/fault_window.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/wires/line_ports.h"
 #include "hil/world/shapes.h"
@@ -23,7 +24,7 @@ struct StarFireConfiguration final : DeviceConfigurationOf<StarFireConfiguration
   MountConfiguration mount;  ///< Of the antenna.
   emulators::StarFireSettings receiver;
   sim::GnssParameters sensor;
-  std::vector<sim::GnssFault> faults;
+  std::vector<MixedFault<sim::GnssFault, emulators::SupplyFault>> faults;
 
   StarFireConfiguration();
 

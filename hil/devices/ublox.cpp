@@ -48,6 +48,7 @@ class UbloxDevice final : public Device,
                          those_of<sim::GnssFault>(configuration.faults)));
     offer(make_fault_port(those_of<emulators::UbloxFault>(configuration.faults),
                           acted_by<emulators::UbloxFault>(receiver_)));
+    offer(make_fault_port(those_of<emulators::SupplyFault>(configuration.faults), supply_acts()));
   }
 
   [[nodiscard]] StationIndex enlist(Executive& executive) {
@@ -98,14 +99,33 @@ class UbloxDevice final : public Device,
     auto stream = std::make_unique<UsbSerialStream>(
         site.io(), bus, emulators::ublox_usb(configuration.receiver.profile->generation),
         site.name());
-    offer(begin_plug_faults(those_of<PlugFault>(configuration.faults), bus, stream->socket()));
+    plug_ = {&bus, stream->socket()};
+    offer(begin_plug_faults(those_of<PlugFault>(configuration.faults), bus, plug_.socket));
+    for (const auto& fault : those_of<emulators::SupplyFault>(configuration.faults)) {
+      bus.begin(plug_.socket, fault);
+    }
     return stream;
+  }
+
+  /// On USB a receiver without supply is not seen either.
+  FaultActs<emulators::SupplyFault> supply_acts() {
+    return {[this](const emulators::SupplyFault& fault) {
+              receiver_.supply().begin(fault);
+              if (plug_.bus != nullptr) {
+                plug_.bus->begin(plug_.socket, fault);
+              }
+            },
+            [this](std::uint32_t id, SimTime now) {
+              return (plug_.bus == nullptr || plug_.bus->end_outage(plug_.socket, id, now)) &&
+                     receiver_.supply().end(id, now);
+            }};
   }
 
   static emulators::UbloxSettings settings(const UbloxConfiguration& configuration,
                                            const Site& site) {
     emulators::UbloxSettings settings = configuration.receiver;
     settings.faults = those_of<emulators::UbloxFault>(configuration.faults);
+    settings.supply_faults = those_of<emulators::SupplyFault>(configuration.faults);
     settings.noise_seed = site.device_seed();
     settings.uses_corrections = configuration.sensor.corrections.kind == sim::CorrectionKind::rtk;
     return settings;
@@ -135,17 +155,25 @@ class UbloxDevice final : public Device,
     explicit Backend(emulators::UbloxReceiver& of) : receiver(of) {}
     [[nodiscard]] const Command& command() const override { return receiver.command(); }
     void update(const GnssSample& sample) override {
+      const bool supplied = receiver.supply().on();
       receiver.update(sample);
-      for (FixListener* listener : listeners) {
-        listener->observe_fix(sample);
+      for (std::size_t i = 0; supplied && i < listeners.size(); ++i) {
+        listeners[i]->observe_fix(sample);
       }
     }
     emulators::UbloxReceiver& receiver;
     std::vector<FixListener*> listeners;
   };
 
+  /// On USB; else of no bus.
+  struct Plug {
+    UsbBus* bus = nullptr;
+    UsbBus::Socket socket{};
+  };
+
   BaudCheck check_baud_;
   std::string corrections_from_;
+  Plug plug_;
   std::unique_ptr<drivers::ByteStream> line_;
   StreamOutlet outlet_;
   Second second_;
@@ -211,11 +239,7 @@ void UbloxConfiguration::check(const std::string& at, RigCheck& check) const {
   } else {
     check.usb();
   }
-  for (std::size_t i = 0; i < faults.size(); ++i) {
-    if (const auto* const jamming = std::get_if<sim::JammingFault>(&faults[i].what)) {
-      check_bands({{}, *jamming}, i, bands_of(sensor), at, check);
-    }
-  }
+  check_bands(faults, bands_of(sensor), at, check);
   check.link(at + ".mount.link", mount.link);
   if (!corrections_from.empty()) {
     check.base_station(at + ".corrections_from", corrections_from, at.substr(at.rfind('.') + 1));
@@ -228,8 +252,9 @@ void UbloxConfiguration::each_fault(const FaultEar& take) {
 
 std::vector<fields::Named> UbloxConfiguration::fault_kinds() const {
   return wire == SerialWire::usb
-             ? hil::fault_kinds<PlugFault, sim::GnssFault, emulators::UbloxFault>()
-             : hil::fault_kinds<sim::GnssFault, emulators::UbloxFault>();
+             ? hil::fault_kinds<PlugFault, sim::GnssFault, emulators::UbloxFault,
+                                emulators::SupplyFault>()
+             : hil::fault_kinds<sim::GnssFault, emulators::UbloxFault, emulators::SupplyFault>();
 }
 
 std::vector<LiveKey> UbloxConfiguration::live_keys() const {

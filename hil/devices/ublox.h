@@ -26,7 +26,8 @@ struct UbloxConfiguration final : DeviceConfigurationOf<UbloxConfiguration> {
   MountConfiguration mount;  ///< Of the antenna.
   emulators::UbloxSettings receiver;
   sim::GnssParameters sensor;
-  std::vector<MixedFault<PlugFault, sim::GnssFault, emulators::UbloxFault>> faults;
+  std::vector<MixedFault<PlugFault, sim::GnssFault, emulators::UbloxFault, emulators::SupplyFault>>
+      faults;
   /// The base station whose line its second UART hears; empty: none.
   std::string corrections_from;
 

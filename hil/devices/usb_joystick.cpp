@@ -81,6 +81,8 @@ class UsbJoystickDevice final : public Device {
         mover_(configuration, site.stream_seed("faults/samples"), levers_),
         socket_(bus_.plug(levers_, site.name())) {
     offer(begin_plug_faults(those_of<PlugFault>(configuration.faults), bus_, socket_));
+    offer(
+        begin_supply_faults(those_of<emulators::SupplyFault>(configuration.faults), bus_, socket_));
     offer(make_fault_port(those_of<SampleFault>(configuration.faults),
                           acted_by<SampleFault>(mover_.faults())));
     // The bus lets the device live; there is nothing to be routed to it, so that it is no station.

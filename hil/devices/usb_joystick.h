@@ -38,7 +38,8 @@ struct UsbJoystickConfiguration final : DeviceConfigurationOf<UsbJoystickConfigu
   LeverSource source = LeverSource::script;
   bool repeat = false;
   std::vector<LeverKeyframeConfiguration> script;
-  std::vector<MixedFault<PlugFault, emulators::SampleFault<JoystickSample>>> faults;
+  std::vector<MixedFault<PlugFault, emulators::SupplyFault, emulators::SampleFault<JoystickSample>>>
+      faults;
 
   void visit(fields::Visitor& v) override;
   void validate() const override;

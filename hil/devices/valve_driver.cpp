@@ -46,6 +46,8 @@ class ValveDriverDevice final : public Device {
     auto acts = acted_by<emulators::ValveDefect>(driver_.defects());
     acts.name = valve_fault_names(configuration.driver.amplifier);
     offer(make_fault_port(those_of<emulators::ValveDefect>(configuration.faults), std::move(acts)));
+    offer(make_fault_port(those_of<emulators::SupplyFault>(configuration.faults),
+                          acted_by<emulators::SupplyFault>(driver_.supply())));
     if (own_ != nullptr) {
       offer(own_->fault_port(configuration.line_faults()));
     }
@@ -99,6 +101,7 @@ std::string modbus_wire(const RigView& rig, const ValveDriverConfiguration& devi
 emulators::ValveDriverSettings driver_settings(const ValveDriverConfiguration& configuration) {
   emulators::ValveDriverSettings settings = configuration.driver;
   settings.amplifier.defects = those_of<emulators::ValveDefect>(configuration.faults);
+  settings.supply_faults = those_of<emulators::SupplyFault>(configuration.faults);
   if (!configuration.map.empty()) {
     settings.map = load_valve_map(configuration.map);
   }
@@ -187,8 +190,9 @@ void ValveDriverConfiguration::each_fault(const FaultEar& take) {
 }
 
 std::vector<fields::Named> ValveDriverConfiguration::fault_kinds() const {
-  return line.empty() ? hil::fault_kinds<emulators::ValveDefect, emulators::ModbusFault>()
-                      : hil::fault_kinds<emulators::ValveDefect>();
+  return line.empty() ? hil::fault_kinds<emulators::ValveDefect, emulators::SupplyFault,
+                                         emulators::ModbusFault>()
+                      : hil::fault_kinds<emulators::ValveDefect, emulators::SupplyFault>();
 }
 
 DevicePlan ValveDriverConfiguration::plan(const RigView& rig) const {

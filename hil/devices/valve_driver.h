@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "emulators/modbus/modbus_faults.h"
+#include "emulators/supply.h"
 #include "emulators/valve_amplifier/fault.h"
 #include "emulators/valve_driver/valve_driver.h"
 #include "hil/configuration/fault_window.h"
@@ -14,12 +15,12 @@
 
 namespace rigwire::hil {
 
-/// A fault of its amplifier, or of the Modbus line where that is its own.
+/// A fault of its amplifier or its supply, or of the Modbus line where that is its own.
 struct ValveDriverFault {
   FaultPeriod when;
   emulators::ModbusFaultScope scope;  ///< Of those of the line.
-  EitherOf<decltype(emulators::ValveDefect::what), decltype(emulators::ModbusFault::what)>::Type
-      what;
+  EitherOf<decltype(emulators::ValveDefect::what), decltype(emulators::SupplyFault::what),
+           decltype(emulators::ModbusFault::what)>::Type what;
 };
 void visit(fields::Visitor& v, ValveDriverFault& p);
 

@@ -62,6 +62,8 @@ emulators::VelodyneSettings settings_but_calibration(const VelodyneConfiguration
   emulators::VelodyneSettings settings = p.lidar;
   settings.time_source = time_source_of(p);
   settings.reference_range_m = p.sensor.beam.reference_range_m;
+  settings.faults = those_of<emulators::VelodyneFault>(p.faults);
+  settings.supply_faults = those_of<emulators::SupplyFault>(p.faults);
   return settings;
 }
 
@@ -200,10 +202,13 @@ class VelodyneDevice final : public Device, private FixListener {
     executive.add(data_outlet_);
     executive.add(position_outlet_);
     if (server_) {
-      server_->start([this, &executive](const drivers::HttpRequest& request) {
+      server_->start_patiently([this, &executive](const drivers::HttpRequest& request,
+                                                  const drivers::HttpServer::Respond& respond) {
         const SimTime now = client_arrived(executive);
-        last_request_ = {now, request.method + " " + request.target};
-        return answer(now, request);
+        if (lidar_.supply().on()) {  // else nobody hears it
+          last_request_ = {now, request.method + " " + request.target};
+          respond(answer(now, request));
+        }
       });
     }
     return index;
@@ -231,6 +236,9 @@ class VelodyneDevice final : public Device, private FixListener {
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return data_.status(); }
   [[nodiscard]] std::string tell(SimTime now, const DeviceConfiguration& wanted,
                                  std::string_view key) override {
+    if (!lidar_.supply().on()) {
+      return "the sensor has no supply";
+    }
     if (lidar_.starting_up(now)) {
       return "the sensor starts up";
     }
@@ -263,7 +271,10 @@ class VelodyneDevice final : public Device, private FixListener {
         station_(lidar_, lidar_),
         web_(lidar_, {.silent_refusals = configuration.web.silent_refusals,
                       .objection = [this](const auto& live) { return objection(live); }}) {
-    offer(make_fault_port(configuration.lidar.faults, acted_by<emulators::VelodyneFault>(lidar_)));
+    offer(make_fault_port(those_of<emulators::VelodyneFault>(configuration.faults),
+                          acted_by<emulators::VelodyneFault>(lidar_)));
+    offer(make_fault_port(those_of<emulators::SupplyFault>(configuration.faults),
+                          acted_by<emulators::SupplyFault>(lidar_.supply())));
     if (configuration.web.port != 0) {
       drivers::HttpServerSettings server;
       server.address = configuration.web.address;
@@ -412,7 +423,7 @@ void VelodyneConfiguration::visit(fields::Visitor& v) {
          "Satellite receiver; auto = the first one, locked; or ideal, pulse, none.");
   v.section("mount", mount, "Where on the machine the spin axis stands, and how it is turned.");
   v.section("sensor", sensor, "How well it measures.");
-  v.list("faults", lidar.faults, "What goes wrong with the device, and when.");
+  v.list("faults", faults, "What goes wrong with the device, and when.");
 }
 
 void VelodyneConfiguration::validate() const {
@@ -454,11 +465,11 @@ void VelodyneConfiguration::check(const std::string& at, RigCheck& check) const 
 }
 
 void VelodyneConfiguration::each_fault(const FaultEar& take) {
-  show_faults(lidar.faults, take);
+  show_faults(faults, take);
 }
 
 std::vector<fields::Named> VelodyneConfiguration::fault_kinds() const {
-  return hil::fault_kinds<emulators::VelodyneFault>();
+  return mixed_kinds(faults);
 }
 
 std::vector<LiveKey> VelodyneConfiguration::live_keys() const {

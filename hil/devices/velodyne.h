@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "emulators/velodyne/velodyne_settings.h"
+#include "hil/configuration/fault_window.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/world/lidar.h"
 #include "hil/world/shapes.h"
@@ -39,6 +40,7 @@ struct VelodyneConfiguration final : DeviceConfigurationOf<VelodyneConfiguration
   MountConfiguration mount;           ///< Frame S: x forward, y left, z up, on the spin axis.
   emulators::VelodyneSettings lidar;  ///< But for what settings_of() fills in from the others.
   LidarSensorConfiguration sensor;
+  std::vector<MixedFault<emulators::VelodyneFault, emulators::SupplyFault>> faults;
 
   static constexpr std::string_view kAutomaticTimeSource = "auto";
   static constexpr std::string_view kIdealTimeSource = "ideal";

@@ -65,8 +65,32 @@ bool RigUsb::end(Socket socket, FaultBook<PlugFault>::Id id, SimTime now) {
   return ended;
 }
 
+FaultBook<emulators::SupplyFault>::Id RigUsb::begin(Socket socket,
+                                                    const emulators::SupplyFault& fault) {
+  fields::check(fault);
+  Plug& plug = plugs_.at(socket);
+  const auto id = plug.outages.add(fault);
+  find_next_change(plug);
+  return id;
+}
+
+bool RigUsb::end_outage(Socket socket, FaultBook<emulators::SupplyFault>::Id id, SimTime now) {
+  Plug& plug = plugs_.at(socket);
+  const bool ended = plug.outages.end(id, now);
+  find_next_change(plug);
+  return ended;
+}
+
 void RigUsb::find_next_change(Plug& plug) const {
-  plug.next_change = plug.faults.next_turn<UnpluggedFault>(advanced_, plug.out);
+  const auto is_out = [&plug](SimTime instant) {
+    return plug.faults.first<UnpluggedFault>(instant) != nullptr ||
+           plug.outages.first<emulators::NoSupplyFault>(instant) != nullptr;
+  };
+  SimTime instant = advanced_;
+  while (instant != kNever && is_out(instant) == plug.out) {
+    instant = std::min(plug.faults.next_change<>(instant), plug.outages.next_change<>(instant));
+  }
+  plug.next_change = instant;
 }
 
 std::string RigUsb::address(Socket socket) const {

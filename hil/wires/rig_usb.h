@@ -27,6 +27,9 @@ class RigUsb final : public UsbBus, public EventSource {
   Socket plug(emulators::UsbDevice& device, std::string_view name) override;
   FaultBook<PlugFault>::Id begin(Socket socket, const PlugFault& fault) override;
   bool end(Socket socket, FaultBook<PlugFault>::Id id, SimTime now) override;
+  FaultBook<emulators::SupplyFault>::Id begin(Socket socket,
+                                              const emulators::SupplyFault& fault) override;
+  bool end_outage(Socket socket, FaultBook<emulators::SupplyFault>::Id id, SimTime now) override;
   [[nodiscard]] bool imported(Socket socket) const override { return server_.imported(socket); }
   [[nodiscard]] std::string address(Socket socket) const override;
   [[nodiscard]] SimTime now() const override { return executive_.now(); }
@@ -52,7 +55,8 @@ class RigUsb final : public UsbBus, public EventSource {
   };
   struct Plug {
     FaultBook<PlugFault> faults;
-    bool out = false;
+    FaultBook<emulators::SupplyFault> outages;
+    bool out = false;  ///< Unplugged, or without supply.
     SimTime next_change = kNever;
   };
   void find_next_change(Plug& plug) const;

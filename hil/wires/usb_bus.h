@@ -1,4 +1,5 @@
-// Where a rig's USB devices are plugged in, whatever exports them, and what can happen to a plug.
+// Where a rig's USB devices are plugged in, whatever exports them, and what can happen to a plug
+// and to the supply of the device behind it.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +7,7 @@
 #include <string_view>
 #include <variant>
 
+#include "emulators/supply.h"
 #include "emulators/usb/usb_device.h"
 #include "fields/visitor.h"
 #include "sim/samples/fault_book.h"
@@ -40,6 +42,10 @@ class UsbBus {
   virtual FaultBook<PlugFault>::Id begin(Socket socket, const PlugFault& fault) = 0;
   /// As FaultBook::end().
   virtual bool end(Socket socket, FaultBook<PlugFault>::Id id, SimTime now) = 0;
+  /// The same of the device's supply: without, nobody is at the socket.
+  virtual FaultBook<emulators::SupplyFault>::Id begin(Socket socket,
+                                                      const emulators::SupplyFault& fault) = 0;
+  virtual bool end_outage(Socket socket, FaultBook<emulators::SupplyFault>::Id id, SimTime now) = 0;
   /// A client has the device.
   [[nodiscard]] virtual bool imported(Socket socket) const = 0;
   /// What a client attaches: "usb 127.0.0.1:3240 1-1".

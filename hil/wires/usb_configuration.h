@@ -32,6 +32,18 @@ struct UsbConfiguration {
                [&bus, socket](std::uint32_t id, SimTime now) { return bus.end(socket, id, now); }});
 }
 
+/// The same of its supply, of a device that has no other than the plug's.
+[[nodiscard]] inline std::unique_ptr<FaultPort> begin_supply_faults(
+    const std::vector<emulators::SupplyFault>& faults, UsbBus& bus, UsbBus::Socket socket) {
+  for (const emulators::SupplyFault& fault : faults) {
+    bus.begin(socket, fault);
+  }
+  return make_fault_port<emulators::SupplyFault>(
+      faults,
+      {[&bus, socket](const emulators::SupplyFault& fault) { bus.begin(socket, fault); },
+       [&bus, socket](std::uint32_t id, SimTime now) { return bus.end_outage(socket, id, now); }});
+}
+
 inline void visit(fields::Visitor& v, UsbConfiguration& p) {
   v.text("address", p.address, "Where clients attach (usbip attach -r).");
   v.integer("port", p.port, fields::IntegerRule{1, 65535}, "TCP.");

@@ -10,6 +10,7 @@
 #include "emulators/ublox/receiver.h"
 #include "protocols/nmea/sentence.h"
 #include "protocols/ubx/frame.h"
+#include "supply_switch.h"
 
 namespace {
 
@@ -83,7 +84,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       receiver.set_client(now, {rest[0] % 2 == 0, kSpeeds[rest[0] / 2 % 4]});
     }
     if (switches) {
-      receiver.power(now, rest[0] % 8 != 0);
+      test::switch_supply(receiver, now, rest[0] % 8 != 0);
       receiver.external_interrupt(now, rest[0] % 2 == 0);
     }
     receiver.receive(now, rest.first(taken));

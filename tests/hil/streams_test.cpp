@@ -162,7 +162,7 @@ TEST(Streams, every_plug_and_every_supply_fails) {
     }
   }
   EXPECT_EQ(lost["unplugged"], 2);
-  EXPECT_EQ(lost["off"], 7);
+  EXPECT_EQ(lost["off"], 14);
 }
 
 }  // namespace

@@ -104,6 +104,79 @@ TEST_F(GigeCameraFaultTest, WithTheLinkDownNothingComesAndGoes) {
   EXPECT_EQ(camera->counters().lost_datagrams, 6U);
 }
 
+TEST_F(GigeCameraFaultTest, WithoutSupplyItIsNotThereAndAfterItAsAtPowerOn) {
+  GigeCameraSettings settings = small();
+  settings.supply_faults = {{between(seconds{2}, seconds{3}), NoSupplyFault{}}};
+  make(settings);
+  start_streaming();
+  expose();
+  pass(milliseconds{10});
+  EXPECT_EQ(stream.sent.size(), 5U);
+  const std::string name = "left eye";
+  EXPECT_EQ(write_bytes(boot::kUserDefinedName,
+                        std::array<std::uint8_t, 16>{'l', 'e', 'f', 't', ' ', 'e', 'y', 'e'}),
+            Status::success);
+  EXPECT_EQ(write_real(reg::kGain, 6.0), Status::success);
+
+  now = kStart + seconds{2};
+  camera->advance(now);
+  EXPECT_FALSE(camera->controlled());
+  EXPECT_FALSE(camera->acquiring());
+  EXPECT_EQ(camera->sample_plan().first, kNever);
+  const std::size_t answers = control.sent.size();
+  camera->receive(now, kClient, gev::encode_discovery(1).view());
+  expose();
+  pass(milliseconds{10});
+  EXPECT_EQ(control.sent.size(), answers);
+  EXPECT_EQ(stream.sent.size(), 5U);
+
+  now = kStart + seconds{3};
+  camera->advance(now);
+  EXPECT_EQ(ask(gev::encode_discovery(1)).payload.size(), 248U);
+  EXPECT_EQ(read_text(boot::kUserDefinedName, 16), name) << "its memory has it";
+  EXPECT_EQ(read_real(reg::kGain), settings.gain_db);
+  EXPECT_EQ(read(boot::kStreamPort), 0U);
+  EXPECT_EQ(write(reg::kGain, 1), Status::access_denied) << "nobody has control";
+  EXPECT_EQ(write(boot::kTimestampControl, gev::TimestampControl::kLatch), Status::access_denied);
+  take_control();
+  EXPECT_EQ(write(boot::kTimestampControl, gev::TimestampControl::kLatch), Status::success);
+  EXPECT_LT(read(boot::kTimestampLow), 1'000'000'000U) << "its time began anew";
+}
+
+/// Else what comes with the number of an old request would be answered and not done.
+TEST_F(GigeCameraFaultTest, WhatWasAnsweredBeforeAnOutageIsNotKnownAfterIt) {
+  GigeCameraSettings settings = small();
+  settings.supply_faults = {{between(seconds{2}, seconds{3}), NoSupplyFault{}}};
+  make(settings);
+  const gev::RegisterValue control_word{boot::kControlPrivilege, gev::Privilege::kControl};
+  const auto takes = gev::encode_write_registers(7, std::span(&control_word, 1));
+  EXPECT_EQ(ask(takes).status, Status::success);
+  now = kStart + seconds{3};
+  camera->advance(now);
+  EXPECT_FALSE(camera->controlled());
+  EXPECT_EQ(ask(takes).status, Status::success);
+  EXPECT_TRUE(camera->controlled());
+}
+
+TEST_F(GigeCameraFaultTest, AForcedAddressDoesNotOutliveTheSupply) {
+  GigeCameraSettings settings = small();
+  settings.supply_faults = {{between(seconds{2}, seconds{3}), NoSupplyFault{}}};
+  make(settings);
+  int moves = 0;
+  camera->inform_of_moves([&moves] { ++moves; });
+  const std::uint32_t own = camera->address().address;
+  const CameraAddress forced{own + 1, settings.address.mask, 0};
+  EXPECT_EQ(ask(gev::encode_force_ip(next_request(),
+                                     {settings.mac, forced.address, forced.mask, forced.gateway}))
+                .status,
+            Status::success);
+  EXPECT_EQ(camera->address().address, forced.address);
+  now = kStart + seconds{3};
+  camera->advance(now);
+  EXPECT_EQ(camera->address().address, own);
+  EXPECT_EQ(moves, 1);
+}
+
 TEST_F(GigeCameraFaultTest, LostTriggersMakeNoExposure) {
   make_with({between(seconds{1}, seconds{2}), LostTriggerFault{1.0}});
   start_streaming();

@@ -87,6 +87,20 @@ TEST_F(StarFireNodeTest, ClaimsAddress28ThenSendsFiveTimesASecond) {
   EXPECT_EQ(bus_.times(64502).size(), 2U);
 }
 
+TEST_F(StarFireNodeTest, WithoutSupplyItIsSilentAndClaimsAgainAfterIt) {
+  node_.supply().begin({{3s, 2s}, NoSupplyFault{}});
+  run(kStart + 10s);
+  std::vector<SimTime> during;
+  for (const auto& [due, frame] : bus_.frames) {
+    if (due >= kStart + 3s && due < kStart + 5s) {
+      during.push_back(due);
+    }
+  }
+  EXPECT_TRUE(during.empty());
+  EXPECT_EQ(bus_.times(j1939::kAddressClaimedPgn).size(), 2U);
+  EXPECT_GE(bus_.times(65267).back(), kStart + 9s);
+}
+
 TEST_F(StarFireNodeTest, CarriesPositionToAUnitAndCourseClockwiseFromNorth) {
   run(kStart + 1s);
   const auto position = bus_.latest<vehicle::VehiclePosition>();

@@ -73,6 +73,25 @@ class StarFireReceiverTest : public testing::Test {
   Calendar calendar_{UtcTime{2026, 6, 1, 8, 0, 0, 0}};
 };
 
+TEST_F(StarFireReceiverTest, WithoutSupplyItIsSilentAndAfterItTakesItsTimeToStart) {
+  StarFireSettings s = settings();
+  s.start_up = 2s;
+  s.supply.faults = {{{5s, 3s}, NoSupplyFault{}}};
+  test::ByteRecorder line;
+  StarFireReceiver receiver(s, calendar_, line);
+  for (SimTime time = kStart; time <= kStart + 12s; time += 1s) {
+    receiver.update(sample(time));
+  }
+  std::vector<std::int64_t> seconds;
+  for (const auto& sent : line.sent) {
+    const std::int64_t second = (sent.due - kStart) / 1s;
+    if (seconds.empty() || seconds.back() != second) {
+      seconds.push_back(second);
+    }
+  }
+  EXPECT_EQ(seconds, (std::vector<std::int64_t>{2, 3, 4, 10, 11}));
+}
+
 TEST_F(StarFireReceiverTest, SendsItsFiveSentencesInOrder) {
   const auto found = epoch(settings(), sample(kStart));
   ASSERT_EQ(found.size(), 5U);

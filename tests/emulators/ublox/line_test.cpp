@@ -11,6 +11,7 @@
 #include "protocols/ubx/monitor.h"
 #include "protocols/ubx/timing.h"
 #include "rig.h"
+#include "supply_switch.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -227,7 +228,7 @@ TEST_F(UbloxLineTest, SupplyOffIsSilenceAndOnIsTheBanner) {
   run(receiver, kStart + 2500ms);
   say(receiver, CfgRate{500, 1, 1});
   say(receiver, CfgCfg{0, 0xFFFF, 0});
-  receiver.power(now_, false);
+  test::switch_supply(receiver, now_, false);
   line_.clear();
   EXPECT_EQ(receiver.sample_plan().first, kNever);
   EXPECT_EQ(receiver.next_event(), kNever);
@@ -235,11 +236,25 @@ TEST_F(UbloxLineTest, SupplyOffIsSilenceAndOnIsTheBanner) {
   receiver.update(good_sample(now_ + 1s));
   run(receiver, now_ + 10s);
   EXPECT_TRUE(line_.all.empty());
-  receiver.power(now_, true);
+  test::switch_supply(receiver, now_, true);
   EXPECT_EQ(receiver.sample_plan().period, 500ms);  // saved, and the battery kept it
   run(receiver, now_ + 900ms);
   EXPECT_THAT(line_.sentences().at(0), StartsWith("$GPTXT,01,01,02,u-blox ag"));
   EXPECT_THAT(line_.sentences().back(), testing::HasSubstr(",A,A*"));  // hot start
+}
+
+TEST_F(UbloxLineTest, AFaultOfTheSupplyAtTheStartDelaysPowerOn) {
+  UbloxSettings settings = quiet();
+  settings.nmea_sentences = {"GLL"};
+  settings.supply_faults = {{{0s, 3s}, NoSupplyFault{}}};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  EXPECT_EQ(receiver.sample_plan().first, kNever);
+  EXPECT_EQ(receiver.next_event(), kStart + 3s);
+  run(receiver, kStart + 2900ms);
+  EXPECT_TRUE(line_.all.empty());
+  run(receiver, kStart + 6s);
+  EXPECT_EQ(receiver.sample_plan().first, kStart + 4s);
+  EXPECT_FALSE(line_.sentences().empty());
 }
 
 TEST_F(UbloxLineTest, FourHoursOffIsAWarmStart) {
@@ -247,9 +262,9 @@ TEST_F(UbloxLineTest, FourHoursOffIsAWarmStart) {
   settings.ubx_messages = {"NAV-SOL"};
   UbloxReceiver receiver(settings, calendar_, line_);
   run(receiver, kStart + 1500ms);
-  receiver.power(now_, false);
+  test::switch_supply(receiver, now_, false);
   now_ += 5h;
-  receiver.power(now_, true);
+  test::switch_supply(receiver, now_, true);
   line_.clear();
   run(receiver, now_ + 40s);
   const auto sol = decoded<NavSol>();
@@ -267,8 +282,8 @@ TEST_F(UbloxLineTest, WithoutBatteryNothingOutlivesTheSupply) {
   say(receiver, CfgCfg{0, 0xFFFF, 0});
   say(receiver, CfgRst{0, 0});  // a reset keeps it
   EXPECT_EQ(receiver.sample_plan().period, 500ms);
-  receiver.power(now_, false);
-  receiver.power(now_ + 1s, true);
+  test::switch_supply(receiver, now_, false);
+  test::switch_supply(receiver, now_ + 1s, true);
   now_ += 1s;
   EXPECT_EQ(receiver.sample_plan().period, 1s);
   line_.clear();
@@ -338,7 +353,7 @@ TEST_F(UbloxLineTest, DueTimesNeverGoBackWhateverTheClientDoes) {
         say(receiver, CfgPrt{1, 0, 0x08C0, speeds[draw(4)], 7, 3, 0});
         break;
       case 2:
-        receiver.power(now_, draw(4) != 0);
+        test::switch_supply(receiver, now_, draw(4) != 0);
         break;
       case 3:
         receiver.set_client(now_, {});

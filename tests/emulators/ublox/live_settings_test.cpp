@@ -5,6 +5,7 @@
 #include <string>
 
 #include "rig.h"
+#include "supply_switch.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -76,7 +77,7 @@ TEST_F(UbloxLiveSettings, BeforeItHasStartedItTakesNothing) {
   EXPECT_NE(tell(receiver, "rate", wanted), "");
   run(receiver, kStart + 1500ms);
   EXPECT_EQ(tell(receiver, "rate", wanted), "");
-  receiver.power(now_, false);
+  test::switch_supply(receiver, now_, false);
   EXPECT_NE(tell(receiver, "rate", wanted), "");
 }
 

@@ -88,6 +88,33 @@ TEST_F(ValveDriverTest, DisablingGoesToNeutral) {
   EXPECT_EQ(driver_.next_event(), kNever) << "the watchdog runs only while enabled";
 }
 
+TEST_F(ValveDriverTest, WithoutSupplyItHearsNothingAndAfterItIsAsDelivered) {
+  driver_.supply().begin({{10ms, 20ms}, NoSupplyFault{}});
+  write(kStart, 0, {1, 500});
+  write(kStart, reg::kWatchdog, {1000});
+  EXPECT_DOUBLE_EQ(opening(0), 0.5);
+  driver_.advance(at(10ms));
+  EXPECT_THAT(driver_.command().opening, Each(0.0));
+  EXPECT_EQ(driver_.command().time, at(10ms));
+  const std::size_t answers = output_.sent.size();
+  server_.receive(at(15ms), 1, adu_of(WriteRegister{1, 100}, 1, 1));
+  EXPECT_EQ(output_.sent.size(), answers) << "it is dead";
+  EXPECT_EQ(input(at(30ms), reg::kStatus), reg::kStatusReady);
+  EXPECT_EQ(holding(at(30ms), 0), 0);
+  EXPECT_EQ(holding(at(30ms), 1), 0);
+  EXPECT_EQ(holding(at(30ms), reg::kWatchdog), 200);
+  write(at(31ms), 0, {1, 250});
+  EXPECT_DOUBLE_EQ(opening(0), 0.25);
+}
+
+TEST_F(ValveDriverTest, AFaultThatWasLatchedDoesNotOutliveTheSupply) {
+  write(kStart, 0, {1, 500});
+  driver_.advance(at(1s));
+  EXPECT_EQ(driver_.fault(), ValveFault::watchdog);
+  driver_.supply().begin({{1100ms, 20ms}, NoSupplyFault{}});
+  EXPECT_EQ(input(at(1200ms), reg::kStatus), reg::kStatusReady);
+}
+
 ValveSample sample_at(SimTime time) {
   ValveSample sample;
   sample.time = time;

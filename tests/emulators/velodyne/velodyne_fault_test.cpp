@@ -70,6 +70,33 @@ TEST_F(VelodyneFaultTest, DuplicatedPacketsAreEqualAndComeAtOnce) {
   EXPECT_EQ(position.sent.size(), 2U) << "the other port's packets as well";
 }
 
+TEST_F(VelodyneFaultTest, WithoutSupplyNothingIsSentAndAfterItTheSensorStartsWithWhatItHasSaved) {
+  VelodyneSettings settings;
+  settings.start_up = seconds{2};
+  settings.supply_faults = {{between(seconds{4}, seconds{6}), NoSupplyFault{}}};
+  VelodyneLidar lidar(settings, calendar, data, position);
+  fire_until(lidar, kStart + seconds{3});
+  VelodyneLiveSettings told = lidar.live_settings();
+  told.rotor_rpm = 300.0;
+  lidar.apply(kStart + seconds{3}, told);
+  fire_until(lidar, kStart + seconds{4});
+  lidar.advance(kStart + seconds{4});
+  EXPECT_TRUE(lidar.starting_up(kStart + seconds{5})) << "its web interface is silent";
+  EXPECT_EQ(lidar.command().rotor_rate_radps, 0.0);
+  EXPECT_FALSE(lidar.command().laser_on);
+  const std::size_t before = data.sent.size();
+  const std::size_t positions = position.sent.size();
+  EXPECT_GT(before, 0U);
+  fire_until(lidar, kStart + seconds{8});
+  EXPECT_EQ(data.sent.size(), before);
+  EXPECT_EQ(position.sent.size(), positions);
+  EXPECT_EQ(lidar.live_settings().rotor_rpm, settings.saved.rotor_rpm) << "it was not saved";
+  fire_until(lidar, kStart + seconds{9});
+  EXPECT_GE(data.sent.at(before).due, kStart + seconds{8}) << "it starts up";
+  EXPECT_GT(data.sent.size(), before + 1800);
+  EXPECT_GT(position.sent.size(), positions);
+}
+
 TEST_F(VelodyneFaultTest, SameSeedSameLossesAnotherSeedOthers) {
   const auto kept = [&](std::uint64_t seed) {
     data.sent.clear();

@@ -287,6 +287,8 @@ TEST_P(MatrixOf, EachKindShowsAndTheDeviceRecovers) {
   }
   if (GetParam() == "gnss") {  // that three seconds without corrections show
     emptied.emplace_back("devices.gnss.sensor.corrections.largest_age=2 s");
+  } else if (GetParam() == "lidar") {  // that it has started when it is looked at
+    emptied.emplace_back("devices.lidar.start_up=2 s");
   }
   RigConfiguration healthy = load_rig(file_of(GetParam()), emptied).configuration;
   healthy.devices.erase(kTwin);

@@ -28,6 +28,10 @@ class OneSocket final : public UsbBus, public emulators::UsbHost {
   }
   FaultBook<PlugFault>::Id begin(Socket, const PlugFault&) override { return 0; }
   bool end(Socket, FaultBook<PlugFault>::Id, SimTime) override { return false; }
+  FaultBook<emulators::SupplyFault>::Id begin(Socket, const emulators::SupplyFault&) override {
+    return 0;
+  }
+  bool end_outage(Socket, FaultBook<emulators::SupplyFault>::Id, SimTime) override { return false; }
   [[nodiscard]] bool imported(Socket) const override { return port_->attached(); }
   [[nodiscard]] std::string address(Socket) const override { return where; }
   [[nodiscard]] SimTime now() const override { return kStart; }

@@ -141,6 +141,23 @@ TEST_F(UsbServerLineTest, APlugStaysOutAsLongAsOneOfItsFaultsHolds) {
   EXPECT_EQ(line.next_event(), kStart + 5s);
 }
 
+TEST_F(UsbServerLineTest, ADeviceWithoutSupplyIsNotThereNorIsOneWhosePlugIsOut) {
+  const auto socket = line.plug(joystick, "levers");
+  const auto outage =
+      line.begin(socket, emulators::SupplyFault{{1s, 2s}, emulators::NoSupplyFault{}});
+  line.begin(socket, PlugFault{{2s, 2s}, UnpluggedFault{}});
+  Client client(io, line.port());
+  const auto status_at = [&](Duration since_start) {
+    line.advance(kStart + since_start);
+    return client.import()->status;
+  };
+  EXPECT_EQ(status_at(1500ms), usbip::OperationStatus::failed) << "no supply";
+  EXPECT_EQ(status_at(3500ms), usbip::OperationStatus::failed) << "unplugged still";
+  EXPECT_FALSE(line.end_outage(socket, outage, kStart + 3500ms)) << "it is over";
+  EXPECT_EQ(status_at(4s), usbip::OperationStatus::ok);
+  EXPECT_EQ(line.next_event(), kNever);
+}
+
 TEST_F(UsbServerLineTest, APlugIsPulledAndPutBackWhenToldWhileTheRunGoesOn) {
   const auto socket = line.plug(joystick, "levers");
   line.advance(kStart + 1s);

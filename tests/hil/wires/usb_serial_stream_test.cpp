@@ -26,6 +26,10 @@ class OneSocket final : public UsbBus, public emulators::UsbHost {
   }
   FaultBook<PlugFault>::Id begin(Socket, const PlugFault&) override { return 0; }
   bool end(Socket, FaultBook<PlugFault>::Id, SimTime) override { return false; }
+  FaultBook<emulators::SupplyFault>::Id begin(Socket, const emulators::SupplyFault&) override {
+    return 0;
+  }
+  bool end_outage(Socket, FaultBook<emulators::SupplyFault>::Id, SimTime) override { return false; }
   bool imported(Socket /*socket*/) const override { return port->attached(); }
   std::string address(Socket /*socket*/) const override { return "usb test 1-1"; }
   SimTime now() const override { return kStart; }

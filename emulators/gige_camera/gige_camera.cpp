@@ -269,8 +269,9 @@ SimTime GigeCamera::next_event() const {
 }
 
 SimTime GigeCamera::next_work() const {
-  return std::min({control_.next_event(), acquisition_.next_event(), stream_.next_event(),
-                   faults_.next_change<ExposureStuckFault, OverTemperatureFault>(now_)});
+  return std::min(
+      {control_.next_event(), acquisition_.next_event(), stream_.next_event(),
+       faults_.next_change<ExposureStuckFault, OverTemperatureFault, SlowPicturesFault>(now_)});
 }
 
 void GigeCamera::live_until(SimTime now) {
@@ -315,6 +316,7 @@ void GigeCamera::step() {
       end_acquisition();
     }
     derive_command();
+    pace_acquisition();
   }
   command_.software_triggers = acquisition_.software_exposures();
   stream_.advance(now_);
@@ -440,6 +442,9 @@ void GigeCamera::refresh(const BankRegister& target) {
 }
 
 Status GigeCamera::written(const BankRegister& target) {
+  if (faults_.first<RefusedWritesFault>(now_) != nullptr) {
+    return Status::access_denied;
+  }
   if (target.feature != nullptr && target.feature->locked_by_stream && acquiring()) {
     return Status::access_denied;
   }
@@ -772,7 +777,9 @@ AcquisitionMeans GigeCamera::means() const {
   means.triggered = on(reg::kTriggerMode);
   means.source = static_cast<TriggerSource>(bank_.word(reg::kTriggerSource));
   means.trigger_delay = from_microseconds(bank_.real(reg::kTriggerDelay));
-  means.period = frame_period();
+  const auto* const slow = faults_.first<SlowPicturesFault>(now_);
+  means.period =
+      slow == nullptr ? frame_period() : from_seconds(to_seconds(frame_period()) / slow->share);
   means.shortest = shortest_period();
   means.line = settings_.line;
   return means;
@@ -787,6 +794,10 @@ void GigeCamera::derive_rates() {
   command_packet_size_ = packet_size();
   bank_.set_real(reg::kFrameRateRoom, 1.0 / to_seconds(shortest_period()));
   bank_.set_real(reg::kResultingFrameRate, 1.0 / to_seconds(frame_period()));
+  pace_acquisition();
+}
+
+void GigeCamera::pace_acquisition() {
   acquisition_.change(now_, means());
   plan_ = acquisition_.plan();
 }

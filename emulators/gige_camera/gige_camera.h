@@ -149,6 +149,7 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   void derive();
   void derive_image();
   void derive_rates();
+  void pace_acquisition();
   void derive_command();
   void reset_region();
   [[nodiscard]] AcquisitionMeans means() const;
@@ -172,8 +173,8 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
 
   GigeCameraSettings settings_;
   GigeCameraFaults faults_;
-  NonvolatileMemory& memory_;
   Supply supply_;
+  NonvolatileMemory& memory_;
   std::vector<CameraComponent> components_;
   std::string description_;
   RegisterBank bank_;
@@ -196,8 +197,8 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   std::uint32_t chunk_layout_ = 1;
   bool reset_asked_ = false;
   std::uint32_t address_changes_ = 0;
-  GigeCameraCounters counters_;
   std::function<void()> moved_ = [] {};
+  GigeCameraCounters counters_;
 };
 
 }  // namespace rigwire::emulators

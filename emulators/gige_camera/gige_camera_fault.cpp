@@ -31,6 +31,10 @@ void visit(fields::Visitor& v, LostTriggerFault& p) {
   visit_share(v, p, "Of the triggers, each by itself, to which it happens.");
 }
 
+void visit(fields::Visitor& v, SlowPicturesFault& p) {
+  v.number("share", p.share, in("%").between(1, 100), "Of the rate at which pictures come.");
+}
+
 void visit(fields::Visitor& v, OverTemperatureFault& p) {
   v.number("temperature", p.temperature_degc, in("degC").between(-40, 150),
            "Temperature of the camera's board.");

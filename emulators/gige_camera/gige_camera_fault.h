@@ -56,6 +56,16 @@ struct FrozenFrameFault {
   static constexpr fields::Named kNamed{"frozen",
                                         "The last picture is sent again, with new time stamps."};
 };
+/// Only of pictures that the camera takes by itself: a trigger is one.
+struct SlowPicturesFault {
+  static constexpr fields::Named kNamed{"slow", "Pictures come at a share of their rate."};
+
+  double share = 0.5;
+};
+struct RefusedWritesFault {
+  static constexpr fields::Named kNamed{
+      "refuses", "Whatever a client would change is refused: access denied."};
+};
 struct ExposureStuckFault {
   static constexpr fields::Named kNamed{"exposure_stuck",
                                         "The exposure stays what it was, whatever is asked."};
@@ -74,13 +84,15 @@ inline void visit(fields::Visitor&, LinkDownFault&) {}
 void visit(fields::Visitor& v, LostTriggerFault& p);
 inline void visit(fields::Visitor&, FrozenFrameFault&) {}
 inline void visit(fields::Visitor&, ExposureStuckFault&) {}
+inline void visit(fields::Visitor&, RefusedWritesFault&) {}
+void visit(fields::Visitor& v, SlowPicturesFault& p);
 void visit(fields::Visitor& v, OverTemperatureFault& p);
 
 struct GigeCameraFault {
   FaultPeriod when;
   std::variant<LostStreamPacketsFault, SwappedStreamPacketsFault, DuplicatedStreamPacketsFault,
-               LinkDownFault, LostTriggerFault, FrozenFrameFault, ExposureStuckFault,
-               OverTemperatureFault>
+               LinkDownFault, LostTriggerFault, FrozenFrameFault, SlowPicturesFault,
+               RefusedWritesFault, ExposureStuckFault, OverTemperatureFault>
       what;
 };
 void visit(fields::Visitor& v, GigeCameraFault& p);

@@ -39,6 +39,9 @@ std::string_view GigeCamera::configure(SimTime now, std::uint32_t address,
   if (!supply_.on()) {
     return "the camera has no supply";
   }
+  if (faults_.first<RefusedWritesFault>(now) != nullptr) {
+    return "the camera refuses whatever would change it";
+  }
   const RegisterBank::Written written = bank_.write(address, bytes, *this);
   live_until(now);
   switch (written.status) {

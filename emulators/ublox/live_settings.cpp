@@ -55,7 +55,7 @@ std::string_view UbloxReceiver::configure(SimTime now, const ubx::FrameView& fra
   if (!running_) {
     return "it has no supply, or starts up";
   }
-  return set(now, frame) ? "" : "it refuses the message";
+  return !refuses(now) && set(now, frame) ? "" : "it refuses the message";
 }
 
 std::span<const UbloxReceiver::Live> UbloxReceiver::live_settings() {

@@ -290,6 +290,9 @@ void UbloxReceiver::solve(SimTime now) {
   std::swap(latest_, pending_[pending_head_]);
   pending_head_ = (pending_head_ + 1) % kPending;
   --pending_count_;
+  if (!has_time_for(latest_.time)) {
+    return;
+  }
   UbloxNavigationFaults faults;
   faults.frozen = faults_.first<FrozenFixFault>(latest_.time) != nullptr;
   if (const auto* leap = faults_.first<WrongLeapSecondFault>(latest_.time)) {
@@ -319,6 +322,21 @@ void UbloxReceiver::solve(SimTime now) {
     ++counters_.epochs;
     ++epoch_number_;
   }
+}
+
+bool UbloxReceiver::has_time_for(SimTime epoch) {
+  constexpr double kRounding = 1e-9;
+  const auto slow = faults_.first_grown<SlowFixFault>(epoch);
+  if (!slow) {
+    epochs_owed_ = 0.0;
+    return true;
+  }
+  epochs_owed_ += slow->share;
+  if (epochs_owed_ < 1.0 - kRounding) {
+    return false;
+  }
+  epochs_owed_ -= 1.0;
+  return true;
 }
 
 void UbloxReceiver::watch_antenna(SimTime now) {
@@ -597,6 +615,10 @@ bool UbloxReceiver::handle_aiding(SimTime now, const ubx::FrameView& frame) {
 
 void UbloxReceiver::handle_configuration(SimTime now, const ubx::FrameView& frame) {
   ++received_.accepted;
+  if (refuses(now) && !configuration_.is_poll(frame)) {
+    answer(now, frame.id, false);
+    return;
+  }
   if (const auto request = ubx::decode<ubx::CfgRst>(frame); request.ok()) {
     reset(now, *request);
     return;
@@ -703,8 +725,8 @@ void UbloxReceiver::note_request(SimTime now, const nmea::SentenceView& sentence
 
 bool UbloxReceiver::handle_proprietary(SimTime now, const nmea::SentenceView& s) {
   const std::string_view number = s.field(0);
-  if (number == "40") return handle_rate_command(s);
-  if (number == "41") return handle_port_command(s);
+  if (number == "40") return !refuses(now) && handle_rate_command(s);
+  if (number == "41") return !refuses(now) && handle_port_command(s);
   if (s.field_count == 1 && (number == "00" || number == "03" || number == "04")) {
     send_sentence(now, number == "00" ? "PUBX,00" : number == "03" ? "PUBX,03" : "PUBX,04");
     return true;

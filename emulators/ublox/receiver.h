@@ -122,6 +122,11 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void plan_from(SimTime now);
   void greet(SimTime now);
   void solve(SimTime now);
+  /// Whether a slow receiver has time for the epoch.
+  [[nodiscard]] bool has_time_for(SimTime epoch);
+  [[nodiscard]] bool refuses(SimTime now) const {
+    return faults_.first<RefusedConfigurationFault>(now) != nullptr;
+  }
   void watch_antenna(SimTime now);
   void follow_line_noise(SimTime now);
   void set_baud(std::uint32_t baud);
@@ -195,6 +200,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   bool navigating_ = true;            ///< Not stopped by CFG-RST.
   SamplePlan plan_;
   std::uint64_t epoch_number_ = 0;
+  double epochs_owed_ = 0.0;  ///< Of a slow receiver, to be worked out when it is whole.
 
   std::array<GnssSample, kPending> pending_;  ///< Ring of samples being worked on.
   std::size_t pending_head_ = 0;

@@ -79,6 +79,12 @@ void visit(fields::Visitor& v, UartNoiseFault& p) {
   visit_ramp(v, p.ramp);
 }
 
+void visit(fields::Visitor& v, SlowFixFault& p) {
+  v.number("share", p.share, fields::in("%").above(0).at_most(100),
+           "Of the epochs that are worked out and told, evenly.");
+  visit_ramp(v, p.ramp);
+}
+
 void visit(fields::Visitor& v, UbloxFault& p) {
   visit_fault(v, p);
 }
@@ -130,15 +136,15 @@ void validate(const UbloxSettings& settings) {
   for (const auto& fault : settings.faults) {
     fields::check(fault);
   }
+  for (const SupplyFault& fault : settings.supply_faults) {
+    fields::check(fault);
+  }
   const std::size_t epoch_bytes =
       bytes_of(profile, settings.nmea_sentences, true, "nmea_sentences") +
       bytes_of(profile, settings.ubx_messages, false, "ubx_messages");
   for (const std::string& name : settings.uart2_messages) {
     const std::size_t index = message_index(profile, name);
     if (index == profile.messages.size() || !profile.messages[index].rtcm) {
-  for (const SupplyFault& fault : settings.supply_faults) {
-    fields::check(fault);
-  }
       std::string allowed;
       for (const auto& message : profile.messages) {
         if (message.rtcm) {

@@ -39,13 +39,30 @@ struct UartNoiseFault {
   void grow(double share) { bit_error_rate *= share; }
 };
 
+struct SlowFixFault {
+  static constexpr fields::Named kNamed{"slow", "Only some of the epochs are worked out."};
+
+  double share = 0.5;  ///< Of the epochs, as evenly as can be.
+  Duration ramp{0};
+
+  void grow(double of_it) { share = 1.0 - of_it * (1.0 - share); }
+};
+struct RefusedConfigurationFault {
+  static constexpr fields::Named kNamed{
+      "refuses", "Whatever a client would change is answered with NAK and stays as it is."};
+};
+
 inline void visit(fields::Visitor&, FrozenFixFault&) {}
+inline void visit(fields::Visitor&, RefusedConfigurationFault&) {}
+void visit(fields::Visitor& v, SlowFixFault& p);
 void visit(fields::Visitor& v, WrongLeapSecondFault& p);
 void visit(fields::Visitor& v, UartNoiseFault& p);
 
 struct UbloxFault {
   FaultPeriod when;
-  std::variant<FrozenFixFault, WrongLeapSecondFault, UartNoiseFault> what;
+  std::variant<FrozenFixFault, SlowFixFault, WrongLeapSecondFault, RefusedConfigurationFault,
+               UartNoiseFault>
+      what;
 };
 void visit(fields::Visitor& v, UbloxFault& p);
 
@@ -82,6 +99,7 @@ struct UbloxSettings {
   /// Keeps time, orbits and the saved configuration while the supply is off.
   bool backup_battery = true;
   std::vector<UbloxFault> faults;
+  std::vector<SupplyFault> supply_faults;
   std::uint64_t noise_seed = 1;  ///< Of noise; the chip's number and its radio follow it, too.
 };
 
@@ -96,4 +114,3 @@ void validate(const UbloxSettings& settings);
 [[nodiscard]] std::span<const std::uint32_t> ublox_bauds();
 
 }  // namespace rigwire::emulators
-  std::vector<SupplyFault> supply_faults;

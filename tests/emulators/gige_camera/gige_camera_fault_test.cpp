@@ -229,6 +229,32 @@ TEST_F(GigeCameraFaultTest, AStuckExposureKeepsWhatItWasUntilItIsFree) {
   EXPECT_EQ(camera->command().exposure, std::chrono::microseconds{100});
 }
 
+TEST_F(GigeCameraFaultTest, ASlowCameraTakesPicturesAtAShareOfItsRate) {
+  make_with({between(seconds{2}, seconds{3}), SlowPicturesFault{0.25}});
+  start_streaming();
+  const Duration period = camera->sample_plan().period;
+  now = kStart + seconds{2};
+  camera->advance(now);
+  EXPECT_EQ(camera->sample_plan().period, 4 * period);
+  EXPECT_EQ(read_real(reg::kResultingFrameRate), 1.0 / to_seconds(period)) << "as it is set";
+  write(boot::kStreamPacketDelay, 0);
+  now = kStart + seconds{3};
+  camera->advance(now);
+  EXPECT_EQ(camera->sample_plan().period, period);
+}
+
+TEST_F(GigeCameraFaultTest, WhatAClientWouldChangeIsRefusedAndWhatItReadsIsAnswered) {
+  make_with({between(seconds{2}, seconds{3}), RefusedWritesFault{}});
+  start_streaming();
+  now = kStart + seconds{2};
+  EXPECT_EQ(write_real(reg::kGain, 6.0), Status::access_denied);
+  EXPECT_EQ(write(reg::kAcquisitionStop, 1), Status::access_denied);
+  EXPECT_TRUE(camera->acquiring());
+  EXPECT_EQ(read_real(reg::kGain), 0.0);
+  now = kStart + seconds{3};
+  EXPECT_EQ(write_real(reg::kGain, 6.0), Status::success);
+}
+
 TEST_F(GigeCameraFaultTest, AHotCameraStopsAndSaysWhy) {
   make_with({between(seconds{2}, seconds{3}), OverTemperatureFault{95.0}});
   start_streaming();

@@ -257,6 +257,43 @@ TEST_F(UbloxLineTest, AFaultOfTheSupplyAtTheStartDelaysPowerOn) {
   EXPECT_FALSE(line_.sentences().empty());
 }
 
+TEST_F(UbloxLineTest, ASlowReceiverTellsAnEvenShareOfItsEpochs) {
+  UbloxSettings settings = quiet();
+  settings.ubx_messages = {"NAV-SOL"};
+  settings.measurement_period = 100ms;
+  settings.faults = {{between(2s, 4s), SlowFixFault{.share = 0.4}}};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  const auto told = [&](SimTime until) {
+    line_.clear();
+    run(receiver, until);
+    return decoded<NavSol>().size();
+  };
+  run(receiver, kStart + 1050ms);
+  EXPECT_EQ(told(kStart + 2050ms), 10U);
+  EXPECT_EQ(told(kStart + 4050ms), 8U);
+  EXPECT_EQ(told(kStart + 5050ms), 10U);
+}
+
+TEST_F(UbloxLineTest, WhoeverRefusesAnswersNakAndStaysAsHeIs) {
+  UbloxSettings settings = quiet();
+  settings.faults = {{between(1s, 2s), RefusedConfigurationFault{}}};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  run(receiver, kStart + 1200ms);
+  say(receiver, CfgRate{500, 1, 1});
+  run(receiver, kStart + 1500ms);
+  EXPECT_EQ(receiver.counters().refused, 1U);
+  EXPECT_EQ(receiver.counters().acknowledged, 0U);
+  EXPECT_EQ(receiver.configuration().rate().measurement_period_ms, 1000);
+  say(receiver, CfgRst{0, 0});
+  EXPECT_EQ(receiver.counters().resets, 0U) << "nor is it reset";
+  say(receiver, CfgRate::kId, {});
+  run(receiver, kStart + 1800ms);
+  EXPECT_EQ(receiver.counters().acknowledged, 1U) << "a poll changes nothing";
+  run(receiver, kStart + 2200ms);
+  say(receiver, CfgRate{500, 1, 1});
+  EXPECT_EQ(receiver.configuration().rate().measurement_period_ms, 500);
+}
+
 TEST_F(UbloxLineTest, FourHoursOffIsAWarmStart) {
   UbloxSettings settings = quiet();
   settings.ubx_messages = {"NAV-SOL"};

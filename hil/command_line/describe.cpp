@@ -302,7 +302,7 @@ std::string schema_of_rig() {
   fault.erase("$schema");
   fault["additionalProperties"] = true;  // those of its kind
   rig["properties"]["faults"] = {
-      {"description", "Faults of devices, buses and lines (`rigwire list faults`)."},
+      {"description", "Faults of devices, buses, lines, air and machine (`rigwire list faults`)."},
       {"type", "array"},
       {"items", fault}};
   return rig.dump(2) + "\n";

@@ -200,6 +200,9 @@ std::vector<std::pair<std::string, std::vector<fields::Named>>> faults_by_target
   }
   all.emplace_back("bus", fault_kinds<emulators::CanFault>());
   all.emplace_back("modbus", fault_kinds<emulators::ModbusFault>());
+  all.emplace_back("air", fault_kinds<sim::AirFault>());
+  all.emplace_back("machine.engine", fault_kinds<sim::EngineFault>());
+  all.emplace_back("machine.pumps", fault_kinds<sim::PumpFault>());
   return all;
 }
 

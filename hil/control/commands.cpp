@@ -31,7 +31,8 @@ void visit(fields::Visitor& v, WaitCommand& p) {
 
 void visit(fields::Visitor& v, FaultAddCommand& p) {
   v.required("on");
-  v.text("on", p.on, "Name of a device, \"bus NAME\" or \"modbus NAME\".");
+  v.text("on", p.on,
+         "Name of a device, \"bus NAME\", \"modbus NAME\", \"air\" or a part of the machine.");
   v.required("fault");
   v.text("fault", p.fault,
          "Its keys as in a rig's file, `type` first: an object, or text. Without `at` it begins as "

@@ -11,6 +11,7 @@
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/device_types.h"
+#include "hil/world/surroundings.h"
 #include "sim/gnss/gnss_fault.h"
 
 namespace rigwire::hil {
@@ -38,6 +39,37 @@ std::vector<fields::Named> kinds_of(const Value& device) {
   return {};
 }
 
+/// The map under a key of that one, made where it is not there.
+Value& map_at(Value& map, std::string_view key, const Value& like) {
+  if (Value* found = map.find(key)) {
+    return *found;
+  }
+  map.entries.push_back({std::string(key), like.where,
+                         Value{.kind = Value::Kind::map,
+                               .scalar = {},
+                               .items = {},
+                               .entries = {},
+                               .where = like.where,
+                               .folder = like.folder}});
+  return map.entries.back().value;
+}
+
+/// Surroundings that something of the list is on have a place for it.
+void make_surroundings_for(const Value& list, Value& document) {
+  for (const Value& fault : list.items) {
+    const Value* const on = fault.find("on");
+    const auto* const target = on == nullptr ? kSurroundingsTargets.end()
+                                             : std::ranges::find(kSurroundingsTargets, on->scalar,
+                                                                 &SurroundingsTarget::name);
+    if (target != kSurroundingsTargets.end()) {
+      Value& around = map_at(document, kSurroundings, fault);
+      if (around.kind == Value::Kind::map) {  // else the reader complains of it
+        map_at(around, target->key, fault);
+      }
+    }
+  }
+}
+
 std::vector<Target> targets_of(Value& document) {
   std::vector<Target> targets;
   const auto each = [&](std::string_view section, const std::string& prefix) {
@@ -63,6 +95,15 @@ std::vector<Target> targets_of(Value& document) {
   each("devices", "");
   each("buses", "bus ");
   each("modbus", "modbus ");
+  if (Value* around = document.find(kSurroundings)) {
+    for (const SurroundingsTarget& target : kSurroundingsTargets) {
+      Value* const part = around->find(target.key);
+      if (part != nullptr && part->kind == Value::Kind::map) {
+        targets.push_back(
+            {std::string(target.name), fmt::format("{}.{}", kSurroundings, target.key), part});
+      }
+    }
+  }
   return targets;
 }
 
@@ -100,6 +141,7 @@ void bring_faults_home(Value& document, Problems& problems, Origins& origins) {
         {list.where, std::string(kList), "wrong kind of value", list.description(), "a list", {}});
     return;
   }
+  make_surroundings_for(list, document);
   const std::vector<Target> targets = targets_of(document);
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     Value fault = list.items[i];
@@ -126,7 +168,12 @@ void bring_faults_home(Value& document, Problems& problems, Origins& origins) {
     if (!known) {
       std::vector<std::string> names;
       for (const Target& target : targets) {
-        names.push_back(target.name);
+        if (std::ranges::count(kSurroundingsTargets, target.name, &SurroundingsTarget::name) == 0) {
+          names.push_back(target.name);
+        }
+      }
+      for (const SurroundingsTarget& target : kSurroundingsTargets) {
+        names.emplace_back(target.name);
       }
       if (std::ranges::any_of(targets, &Target::has_antenna)) {
         names.emplace_back(kSky);

@@ -24,7 +24,8 @@ struct ListedFault {
 inline void visit(fields::Visitor& v, ListedFault& p) {
   v.required("on");
   v.text("on", p.on,
-         "A device, `bus NAME`, `modbus NAME`, or `sky`: every device with an antenna.");
+         "A device, `bus NAME`, `modbus NAME`, `air`, `machine.engine`, `machine.pumps`, or `sky`: "
+         "every device with an antenna.");
   v.required("type");
   v.text("type", p.type, "Which fault it is, of those that this can have.");
   visit(v, p.when);

@@ -28,6 +28,8 @@
 #include "hil/world/scene.h"
 #include "hil/world/sky.h"
 #include "hil/world/standing_free.h"
+#include "hil/world/surroundings.h"
+#include "hil/world/truth_faults.h"
 #include "sim/camera/visible_labels.h"
 #include "sim/contact/loose_bodies.h"
 #include "sim/excavator/bucket_soil.h"
@@ -122,7 +124,21 @@ std::string path_of_target(const std::string& where) {
       return section + where.substr(std::string_view(prefix).size());
     }
   }
-  return "devices." + where;
+  const auto* const around =
+      std::ranges::find(kSurroundingsTargets, where, &SurroundingsTarget::name);
+  return around != kSurroundingsTargets.end() ? fmt::format("{}.{}", kSurroundings, around->key)
+                                              : "devices." + where;
+}
+
+/// Those of the air that the rig's file has.
+std::shared_ptr<sim::AirFaults> air_faults(const RigConfiguration& configuration) {
+  return std::make_shared<sim::AirFaults>(configuration.surroundings.air.faults);
+}
+
+std::unique_ptr<sim::SceneWeather> make_weather(const RigConfiguration& configuration,
+                                                std::shared_ptr<const sim::AirFaults> faults) {
+  return std::make_unique<sim::SceneWeather>(configuration.scene.weather, configuration.seed,
+                                             std::move(faults));
 }
 
 /// What faults wait for, the machine has. Throws fields::Refused.
@@ -170,25 +186,27 @@ RigCanSettings can_settings(const BusConfiguration& bus, const CanHop& hop) {
 
 }  // namespace
 
-SimulatedWorld make_world(const RigConfiguration& configuration, RunLog* log) {
+SimulatedWorld make_world(const RigConfiguration& configuration, RunLog* log,
+                          std::shared_ptr<const sim::AirFaults> air) {
   MachineInScene built = build_machine_in_scene(configuration, log);
   WorldSettings settings;
   settings.step = configuration.step;
   settings.slice = configuration.slice;
   settings.gravity_mps2 = configuration.machine.model->gravity_mps2();
   SimulatedWorld world(settings, std::move(built));
-  if (configuration.scene.weather.any()) {
+  if (configuration.scene.weather.any() || !configuration.surroundings.air.faults.empty()) {
     world.set_weather(
-        std::make_unique<sim::SceneWeather>(configuration.scene.weather, configuration.seed));
+        make_weather(configuration, air != nullptr ? std::move(air) : air_faults(configuration)));
   }
   return world;
 }
 
-std::shared_ptr<CameraSurroundings> make_surroundings(const RigConfiguration& configuration) {
+std::shared_ptr<CameraSurroundings> make_surroundings(const RigConfiguration& configuration,
+                                                      std::shared_ptr<const sim::AirFaults> air) {
   return std::make_shared<CameraSurroundings>(
       Calendar(configuration.start), configuration.origin.latitude_deg,
-      configuration.origin.longitude_deg, configuration.scene.daylight,
-      configuration.scene.weather);
+      configuration.origin.longitude_deg, configuration.scene.daylight, configuration.scene.weather,
+      air != nullptr ? std::move(air) : air_faults(configuration));
 }
 
 sim::LocalFrame make_local_frame(const OriginConfiguration& origin) {
@@ -403,8 +421,9 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       calendar_(configuration.start),
       frame_(make_local_frame(configuration.origin)),
       satellites_(make_satellites(configuration.satellites, calendar_)),
-      surroundings_(make_surroundings(configuration)),
-      world_(make_world(configuration, log)),
+      air_(air_faults(configuration_)),
+      surroundings_(make_surroundings(configuration, air_)),
+      world_(make_world(configuration, log, air_)),
       executive_(io, world_),
       faults_(configuration.seed, world_.state_quantities()) {
   require_quantities(configuration_, world_.state_quantities());
@@ -473,6 +492,36 @@ void Rig::number_faults() {
   for (const auto& [name, line] : configuration_.modbus) {
     wire_faults_.push_back(modbus_lines_.at(name)->fault_port(line.faults));
     faults_.add("modbus " + name, *wire_faults_.back());
+  }
+  number_surroundings();
+}
+
+void Rig::number_surroundings() {
+  const StationIndex station = executive_.add(surroundings_station_);
+  world_.add(make_world_air(station, air_, [this](SimTime frontier) {
+    if (!world_.has_weather()) {
+      auto weather = make_weather(configuration_, air_);
+      // As if it had been there from the start; bit by bit, so that it keeps but little.
+      constexpr Duration kBit = std::chrono::seconds{1};
+      for (SimTime time = kStart + kBit; time < frontier; time += kBit) {
+        weather->advance(time, {});
+      }
+      world_.set_weather(std::move(weather));
+    }
+  }));
+  const auto add = [&]<class Fault>(const SurroundingsTarget& target,
+                                    const std::vector<Fault>& faults) {
+    wire_faults_.push_back(truth_faults(executive_, surroundings_station_, faults));
+    faults_.add(std::string(target.name), *wire_faults_.back());
+  };
+  const SurroundingsConfiguration& around = configuration_.surroundings;
+  add(kSurroundingsTargets[0], around.air.faults);
+  // What follows a recorded motion has ports and no such parts.
+  if (auto* const parts =
+          dynamic_cast<sim::PowerUnitDefectPort*>(world_.machine().power_unit_port())) {
+    world_.add(make_world_power_unit_faults(station, *parts, around));
+    add(kSurroundingsTargets[1], around.engine.faults);
+    add(kSurroundingsTargets[2], around.pumps.faults);
   }
 }
 

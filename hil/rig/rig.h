@@ -75,13 +75,15 @@ namespace rigwire::hil {
 [[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration,
                                                     RunLog* log = nullptr);
 
-/// The same with weather and clock of its physics, without sensors. Throws likewise.
+/// The same with weather and clock of its physics, without sensors. Throws likewise. `air`: faults
+/// of the air that others hold as well; null: those of the configuration.
 [[nodiscard]] SimulatedWorld make_world(const RigConfiguration& configuration,
-                                        RunLog* log = nullptr);
+                                        RunLog* log = nullptr,
+                                        std::shared_ptr<const sim::AirFaults> air = nullptr);
 
 /// Light and air of the rig's cameras.
 [[nodiscard]] std::shared_ptr<CameraSurroundings> make_surroundings(
-    const RigConfiguration& configuration);
+    const RigConfiguration& configuration, std::shared_ptr<const sim::AirFaults> air = nullptr);
 
 /// The world frame on Earth, with its geoid. Throws std::runtime_error when the geoid's file cannot
 /// be read.
@@ -174,6 +176,8 @@ class Rig {
   /// Opens the server when the first bus or device asks for it.
   [[nodiscard]] UsbBus& usb();
   void number_faults();
+  /// Of what is around the devices.
+  void number_surroundings();
   void open_taps(const TruthFiles& files);
   /// What the executive was given as outlets from `first` on, is one wire of that name.
   void record(const std::string& wire, std::size_t first, const drivers::EndpointStatus& endpoint);
@@ -187,14 +191,16 @@ class Rig {
   sim::LocalFrame frame_;
   std::shared_ptr<const sim::Constellation> satellites_;
   std::shared_ptr<sim::AntennaBook> antennas_ = std::make_shared<sim::AntennaBook>();
+  std::shared_ptr<sim::AirFaults> air_;
   std::shared_ptr<CameraSurroundings> surroundings_;
   SimulatedWorld world_;
   Executive executive_;
+  SurroundingsStation surroundings_station_;
   std::vector<std::pair<std::string, const QueuedOutlet*>> outlets_;  ///< With their wires' names.
   std::map<std::string, std::unique_ptr<Bus>> buses_;
   std::map<std::string, std::unique_ptr<RigModbus>> modbus_lines_;
   std::vector<NamedDevice> devices_;
-  std::vector<std::unique_ptr<FaultPort>> wire_faults_;  ///< Of buses and lines.
+  std::vector<std::unique_ptr<FaultPort>> wire_faults_;  ///< Of buses, lines and surroundings.
   RigFaults faults_;
   RigSettings settings_;
   /// Null while nothing is on USB. Last, because what is plugged into it must outlive it.

@@ -30,6 +30,7 @@ class Checker {
   void run() {
     check_time();
     check_machine();
+    check_parts();
     check_meshes();
     for (const auto& [name, bus] : rig_.buses) {
       if (!faulty("buses." + name)) {
@@ -94,6 +95,21 @@ class Checker {
       check_.report("machine.on_ground", "the machine stands on the terrain by itself", "false",
                     "true");
     }
+  }
+
+  /// What fails, the machine has.
+  void check_parts() {
+    const bool has = rig_.machine.model->has_power_unit() && rig_.machine.motion.file.empty();
+    const auto check = [&](std::string_view key, const auto& faults) {
+      if (!has && !faults.empty()) {
+        check_.report(fmt::format("{}.{}.faults.0.type", kSurroundings, key),
+                      "the machine has no engine that drives pumps",
+                      std::string(fields::chosen_name(faults.front().what)),
+                      "with a machine that has, and that moves by itself");
+      }
+    };
+    check("engine", rig_.surroundings.engine.faults);
+    check("pumps", rig_.surroundings.pumps.faults);
   }
 
   /// Every file of triangles can be read, and is of a size that rays meet in the scene.

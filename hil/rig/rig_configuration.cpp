@@ -89,6 +89,13 @@ void each_fault(RigConfiguration& configuration,
   for (auto& [name, line] : configuration.modbus) {
     show_faults(line.faults, of("modbus " + name));
   }
+  SurroundingsConfiguration& around = configuration.surroundings;
+  const auto name_of = [](std::size_t target) {
+    return std::string(kSurroundingsTargets[target].name);
+  };
+  show_faults(around.air.faults, of(name_of(0)));
+  show_faults(around.engine.faults, of(name_of(1)));
+  show_faults(around.pumps.faults, of(name_of(2)));
 }
 
 std::vector<FaultWindow> fault_windows(const RigConfiguration& configuration) {

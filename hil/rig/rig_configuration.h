@@ -20,6 +20,7 @@
 #include "hil/world/machine.h"
 #include "hil/world/scene.h"
 #include "hil/world/sky.h"
+#include "hil/world/surroundings.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/time.h"
 
@@ -52,6 +53,7 @@ struct RigConfiguration {
   SatellitesConfiguration satellites;
   SceneConfiguration scene;
   MachineConfiguration machine;
+  SurroundingsConfiguration surroundings;
   std::map<std::string, BusConfiguration> buses;
   std::map<std::string, ModbusLineConfiguration> modbus;
   UsbConfiguration usb;
@@ -94,6 +96,7 @@ inline void visit(fields::Visitor& v, RigConfiguration& p) {
   v.section("scene", p.scene, "Terrain, rocks, objects.");
   v.required("machine");
   v.section("machine", p.machine, "The machine.");
+  v.section("surroundings", p.surroundings, "What goes wrong around the devices.");
   v.named("buses", p.buses, "bus", "CAN buses, by name.");
   v.named("modbus", p.modbus, "line", "Modbus lines that devices share, by name.");
   v.section("usb", p.usb, "The server for devices on USB.");
@@ -126,7 +129,8 @@ struct LoadedRig {
 /// What devices may know of the rig. Refers to the configuration.
 [[nodiscard]] RigView view_of(const RigConfiguration& configuration);
 
-/// Shows every fault of devices, buses and lines, in the order of their kinds and names.
+/// Shows every fault of devices, buses, lines and surroundings, in the order of their kinds and
+/// names.
 void each_fault(RigConfiguration& configuration,
                 const std::function<void(const std::string& where, FaultPeriod& when,
                                          const std::string& name)>& take);

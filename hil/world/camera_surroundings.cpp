@@ -1,6 +1,7 @@
 #include "hil/world/camera_surroundings.h"
 
 #include <chrono>
+#include <utility>
 
 #include "sim/camera/sun.h"
 
@@ -13,12 +14,14 @@ constexpr Duration kLightPeriod = std::chrono::seconds(10);
 
 CameraSurroundings::CameraSurroundings(const Calendar& calendar, double latitude_deg,
                                        double longitude_deg, const sim::DaylightParameters& sky,
-                                       const sim::WeatherParameters& air)
+                                       const sim::WeatherParameters& air,
+                                       std::shared_ptr<const sim::AirFaults> faults)
     : calendar_(calendar),
       latitude_deg_(latitude_deg),
       longitude_deg_(longitude_deg),
       daylight_(sky),
-      weather_(air) {}
+      weather_(air),
+      faults_(std::move(faults)) {}
 
 sim::Daylight CameraSurroundings::light_at(SimTime time) const {
   const SimTime held = light_changes(time) - kLightPeriod;
@@ -31,7 +34,7 @@ SimTime CameraSurroundings::light_changes(SimTime after) {
 }
 
 sim::CameraAir CameraSurroundings::air_at(SimTime time, const sim::DustCloud* dust) const {
-  return {weather_, time, dust};
+  return {weather_, time, dust, faults_.get()};
 }
 
 std::shared_ptr<const sim::SkyVisibility> CameraSurroundings::sky(const sim::Scene& scene) {

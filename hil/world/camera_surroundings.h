@@ -18,7 +18,8 @@ namespace rigwire::hil {
 class CameraSurroundings {
  public:
   CameraSurroundings(const Calendar& calendar, double latitude_deg, double longitude_deg,
-                     const sim::DaylightParameters& sky, const sim::WeatherParameters& air);
+                     const sim::DaylightParameters& sky, const sim::WeatherParameters& air,
+                     std::shared_ptr<const sim::AirFaults> faults = nullptr);
 
   /// Sun and sky at that time. The sun's place is that of every tenth second.
   [[nodiscard]] sim::Daylight light_at(SimTime time) const;
@@ -35,6 +36,7 @@ class CameraSurroundings {
   double longitude_deg_;
   sim::DaylightParameters daylight_;
   sim::WeatherParameters weather_;
+  std::shared_ptr<const sim::AirFaults> faults_;
   std::mutex mutex_;
   std::shared_ptr<const sim::SkyVisibility> sky_;
 };

@@ -61,6 +61,7 @@ class SimulatedWorld final : public TruthSource {
   void add(std::unique_ptr<WorldSensor> sensor);
   /// What is in the air from now on; without, it is clear.
   void set_weather(std::unique_ptr<sim::SceneWeather> weather);
+  [[nodiscard]] bool has_weather() const { return weather_ != nullptr; }
   /// Tells `observer`, too, the truth every `period`, a whole multiple of the step.
   void add_truth_observer(std::unique_ptr<TruthObserver> observer, Duration period);
   /// Tells `observer` of every shot of every lidar.

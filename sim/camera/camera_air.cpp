@@ -7,10 +7,14 @@
 
 namespace rigwire::sim {
 
-CameraAir::CameraAir(const WeatherParameters& parameters, SimTime time, const DustCloud* dust)
+CameraAir::CameraAir(const WeatherParameters& parameters, SimTime time, const DustCloud* dust,
+                     const AirFaults* faults)
     : fog_(parameters.fog) {
   validate(parameters);
-  const AirState state = state_at(parameters.course, time - kStart);
+  AirState state = state_at(parameters.course, time - kStart);
+  if (faults != nullptr) {
+    faults->lay_over(time, state);
+  }
   rain_mmph_ = state.rain_mmph;
   // Rain and snow by the spectra of precipitation.h, whose drops are far above any wavelength here.
   if (parameters.rain.model == RainModel::goodin) {

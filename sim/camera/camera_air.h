@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "sim/weather/air_fault.h"
 #include "sim/weather/droplets.h"
 #include "sim/weather/dust_field.h"
 #include "sim/weather/scene_weather.h"
@@ -22,7 +23,9 @@ class CameraAir {
   CameraAir() = default;  ///< Clear.
   /// At `time`. Rain, snow, fog and haze by their laws in sim/weather, haze at 550 nm; `dust` as
   /// it is at present, null for none.
-  CameraAir(const WeatherParameters& parameters, SimTime time, const DustCloud* dust);
+  /// `faults` of the air, null for none.
+  CameraAir(const WeatherParameters& parameters, SimTime time, const DustCloud* dust,
+            const AirFaults* faults = nullptr);
 
   [[nodiscard]] bool clear() const { return even_pm_ == 0.0 && fog_pm_ == 0.0 && !dust_; }
 

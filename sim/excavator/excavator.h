@@ -45,7 +45,10 @@
 
 namespace rigwire::sim {
 
-class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
+class Excavator final : public Machine,
+                        public ValvePort,
+                        public PowerUnitPort,
+                        public PowerUnitDefectPort {
  public:
   /// X_WC: the undercarriage's pose in the world. The machine starts at rest in parameters.initial,
   /// valves closed, drives carrying the load. Throws std::invalid_argument as validate does, and
@@ -63,6 +66,7 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   [[nodiscard]] std::span<const std::string_view> actuators() const override { return actuators_; }
   /// What the engine's controller asks for. Precondition: pumps engine, as of the three below.
   void command(const PowerUnitCommand& command) override { power_unit_->command(command); }
+  void fail(const PowerUnitDefects& defects) override { power_unit_->fail(defects); }
 
   /// Advances the machine, dividing `span` into inner steps of parameters.step_s and a remainder:
   /// one call with N steps gives the same bits as N calls. span <= 0 changes nothing, not one bit.

@@ -88,16 +88,19 @@ void PowerUnit::command(const PowerUnitCommand& command) {
 }
 
 double PowerUnit::limit_share() const {
-  const double limit_nm =
-      command_.torque_limit_share * reference_torque_nm_ - engine_.friction_nm(speed_radps_);
+  if (!defects_.fuel) {
+    return 0.0;
+  }
+  const double share = std::min(command_.torque_limit_share, defects_.torque_share);
+  const double limit_nm = share * reference_torque_nm_ - engine_.friction_nm(speed_radps_);
   return full_load_nm_ > 0.0 ? std::clamp(limit_nm / full_load_nm_, 0.0, 1.0) : 1.0;
 }
 
 void PowerUnit::limit() {
   const double speed_radps = std::max(speed_radps_, kLeastSpeed_radps);
   // A pump's flow is displacement times speed, cut back above the rated one.
-  limited_.pump_flow_m3ps =
-      supply_.pump_flow_m3ps * std::min(1.0, speed_radps_ / parameters_.pump_rated_radps);
+  limited_.pump_flow_m3ps = defects_.flow_share * supply_.pump_flow_m3ps *
+                            std::min(1.0, speed_radps_ / parameters_.pump_rated_radps);
   // Load limiting: what is left of full load at this speed.
   const double left_nm =
       (1.0 - kReserve) * (limit_share() * full_load_nm_) - parameters_.auxiliary_nm;
@@ -127,6 +130,7 @@ void PowerUnit::step(double h, double flow_m3ps, double supply_pressure_pa) {
   demand.control = EngineControl::speed;
   demand.speed_radps = governed_radps_ * (1.0 + p.droop * (1.0 - share));
   demand.limit_share = limit_share();
+  demand.fuel = defects_.fuel;
   engine_.advance(h, speed_radps_, demand);
 
   // J (w' - w) / h = T - c (w' - w) - T_load, T cut to its limits.

@@ -23,6 +23,7 @@
 #include "fields/rules.h"
 #include "sim/driveline/engine.h"
 #include "sim/engine/engine_condition.h"
+#include "sim/excavator/power_unit_fault.h"
 #include "sim/hydraulics/parameters.h"
 #include "sim/samples/power_unit_sample.h"
 
@@ -55,6 +56,9 @@ class PowerUnit {
   /// to what the engine has.
   void command(const PowerUnitCommand& command);
 
+  /// Valid until the next.
+  void fail(const PowerUnitDefects& defects) { defects_ = defects; }
+
   /// What the pumps can give at present: the parameters' own limits, cut to the engine's.
   [[nodiscard]] const SupplyParameters& supply() const { return limited_; }
 
@@ -76,7 +80,7 @@ class PowerUnit {
   [[nodiscard]] EngineData engine_data() const { return sim::engine_data(parameters_.engine); }
 
  private:
-  /// The commanded limit as a share of full load at the present speed.
+  /// The limit, commanded or by a defect, as a share of full load at the present speed.
   [[nodiscard]] double limit_share() const;
   void limit();
 
@@ -87,6 +91,7 @@ class PowerUnit {
   double reference_torque_nm_;  ///< Indicated, of its data sheet.
   EngineCondition condition_;
   PowerUnitCommand command_;
+  PowerUnitDefects defects_;
   double governed_radps_;
   double speed_radps_;
   double full_load_nm_;  ///< At speed_radps_.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/weather/air_echoes.h"
 
@@ -64,17 +65,14 @@ AirState state_at(const std::vector<WeatherFrame>& course, Duration time) {
 
 SceneWeather::SceneWeather() : SceneWeather(WeatherParameters{}, 0) {}
 
-SceneWeather::SceneWeather(const WeatherParameters& parameters, std::uint64_t seed)
-    : parameters_(valid(parameters)), wind_(parameters.wind, seed), dust_(parameters.dust) {
-  const auto any = [&](double WeatherFrame::*member) {
-    return std::ranges::any_of(parameters.course,
-                               [&](const WeatherFrame& frame) { return frame.*member > 0.0; });
-  };
-  if (any(&WeatherFrame::fog_visibility_m) || any(&WeatherFrame::haze_visibility_m)) {
-    soft_echoes_ =
-        std::make_unique<SoftEchoTable>(parameters.overlap_start_m, parameters.overlap_end_m);
-  }
-  dusty_ = any(&WeatherFrame::dryness);
+SceneWeather::SceneWeather(const WeatherParameters& parameters, std::uint64_t seed,
+                           std::shared_ptr<const AirFaults> faults)
+    : parameters_(valid(parameters)),
+      faults_(std::move(faults)),
+      wind_(parameters.wind, seed),
+      dust_(parameters.dust) {
+  dusty_ = std::ranges::any_of(parameters.course,
+                               [](const WeatherFrame& frame) { return frame.dryness > 0.0; });
   step(kStart, {});
   present_ = !airs_.back().clear();
 }
@@ -114,9 +112,16 @@ void SceneWeather::step(SimTime time, std::span<const DustEmitter> emitters) {
   prepare(airs_.back(), time);
 }
 
-void SceneWeather::prepare(Air& air, SimTime time) const {
+void SceneWeather::prepare(Air& air, SimTime time) {
   const WeatherParameters& p = parameters_;
-  const AirState state = state_at(p.course, time - kStart);
+  AirState state = state_at(p.course, time - kStart);
+  if (faults_ != nullptr) {
+    faults_->lay_over(time, state);
+  }
+  const bool soft = state.inverse_fog_visibility_pm > 0.0 || state.inverse_haze_visibility_pm > 0.0;
+  if (soft && soft_echoes_ == nullptr) {
+    soft_echoes_ = std::make_unique<SoftEchoTable>(p.overlap_start_m, p.overlap_end_m);
+  }
   air.time = time;
   air.even_pm = 0.0;
   air.rain = {};

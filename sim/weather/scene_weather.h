@@ -15,6 +15,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/weather/air_fault.h"
 #include "sim/weather/droplets.h"
 #include "sim/weather/dust_cloud.h"
 #include "sim/weather/dust_emitter.h"
@@ -45,7 +46,11 @@ class SceneWeather final : public Weather {
   /// Clear air, for ever.
   SceneWeather();
   /// Throws std::invalid_argument as validate() does.
-  SceneWeather(const WeatherParameters& parameters, std::uint64_t seed);
+  SceneWeather(const WeatherParameters& parameters, std::uint64_t seed)
+      : SceneWeather(parameters, seed, nullptr) {}
+  /// The same with faults beside the course; they hold at the instants of the grid.
+  SceneWeather(const WeatherParameters& parameters, std::uint64_t seed,
+               std::shared_ptr<const AirFaults> faults);
   ~SceneWeather() override;
 
   /// Lives up to `time`, which must not decrease: dust is stirred up, drifts and settles; rain and
@@ -80,11 +85,12 @@ class SceneWeather final : public Weather {
   };
 
   void step(SimTime time, std::span<const DustEmitter> emitters);
-  void prepare(Air& air, SimTime time) const;
+  void prepare(Air& air, SimTime time);
   [[nodiscard]] const Air& air_at(SimTime time) const;
 
   WeatherParameters parameters_;
-  std::unique_ptr<const SoftEchoTable> soft_echoes_;  ///< Null: neither fog nor haze ever.
+  std::shared_ptr<const AirFaults> faults_;           ///< Null: there are none.
+  std::unique_ptr<const SoftEchoTable> soft_echoes_;  ///< Null: neither fog nor haze so far.
   Wind wind_;
   DustCloud dust_;
   bool dusty_ = false;

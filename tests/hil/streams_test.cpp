@@ -129,7 +129,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Family{"modbus",
                            {"devices.valves_tcp.faults", "modbus.tcp.faults", "modbus.rtu.faults"}},
                     Family{"modbus", {"devices.valves_can.faults"}},
-                    Family{"can", {"devices.imu.faults"}}),
+                    Family{"can", {"devices.imu.faults"}},
+                    Family{"lidar", {"surroundings.air.faults"}},
+                    Family{"modbus", {"surroundings.engine.faults"}},
+                    Family{"modbus", {"surroundings.pumps.faults"}}),
     [](const auto& test) {
       std::string name = test.param.lists.front();
       std::ranges::replace(name, '.', '_');

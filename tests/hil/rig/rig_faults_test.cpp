@@ -47,6 +47,27 @@ Json json_of(const Value& value) {
   return value.scalar;
 }
 
+/// take(path, on, part) for each part of a rig's file that can have faults.
+template <class Take>
+void each_part(const Value& document, const Take& take) {
+  for (const auto& [section, prefix] :
+       {std::pair{"devices", ""}, {"buses", "bus "}, {"modbus", "modbus "}}) {
+    if (const Value* parts = document.find(section)) {
+      for (const Value::Entry& part : parts->entries) {
+        take(std::string(section) + "." + part.key, prefix + part.key, part.value);
+      }
+    }
+  }
+  if (const Value* around = document.find(kSurroundings)) {
+    for (const SurroundingsTarget& target : kSurroundingsTargets) {
+      if (const Value* part = around->find(target.key)) {
+        take(std::string(kSurroundings) + "." + std::string(target.key), std::string(target.name),
+             *part);
+      }
+    }
+  }
+}
+
 class RigFaultsOf : public testing::TestWithParam<std::string> {
   OneAtATime alone_;
 };
@@ -93,22 +114,14 @@ TEST_P(RigFaultsOf, WhatIsBegunWhileItRunsActsAsIfTheFileHadHadIt) {
   const Value document = load_document(file_of(GetParam()), problems);
   std::vector<std::string> emptied;
   std::vector<Request> requests;
-  const auto take = [&](const std::string& path, const std::string& on, const Value& part) {
+  each_part(document, [&](const std::string& path, const std::string& on, const Value& part) {
     if (const Value* faults = part.find("faults")) {
       emptied.push_back(path + ".faults=[]");
       for (const Value& fault : faults->items) {
         requests.push_back({FaultAddCommand{on, json_of(fault).dump()}, 100ms});
       }
     }
-  };
-  for (const auto& [section, prefix] :
-       {std::pair{"devices", ""}, {"buses", "bus "}, {"modbus", "modbus "}}) {
-    if (const Value* parts = document.find(section)) {
-      for (const Value::Entry& part : parts->entries) {
-        take(std::string(section) + "." + part.key, prefix + part.key, part.value);
-      }
-    }
-  }
+  });
   ASSERT_FALSE(requests.empty());
   const Duration length = 20s;
   const Ran written = run(load_rig(file_of(GetParam()), {}).configuration, {}, length);
@@ -138,7 +151,7 @@ class RigFaultsTest : public testing::Test {
 TEST_F(RigFaultsTest, AnUnknownPairIsRefusedWithWhatThereIs) {
   const Json nobody = ask(FaultAddCommand{"gns", "{type: jamming}"});
   EXPECT_EQ(nobody["path"], "on");
-  EXPECT_EQ(nobody["allowed"], "gnss, starfire, bus can");
+  EXPECT_EQ(nobody["allowed"], "gnss, starfire, bus can, air");
   const Json kind = ask(FaultAddCommand{"starfire", "{type: noise}"});
   EXPECT_EQ(kind["path"], "fault.type");
   EXPECT_THAT(std::string(kind["allowed"]), HasSubstr("jamming"));
@@ -263,29 +276,25 @@ TEST_P(MatrixOf, EachKindShowsAndTheDeviceRecovers) {
   const Value document = load_document(file_of(GetParam()), problems);
   std::vector<std::string> emptied;
   std::vector<std::pair<std::string, Json>> pairs;
-  for (const auto& [section, prefix] : {std::pair{"devices", ""}, {"buses", "bus "}}) {
-    if (const Value* parts = document.find(section)) {
-      for (const Value::Entry& part : parts->entries) {
-        const Value* faults = part.value.find("faults");
-        if (faults == nullptr) {
-          continue;
-        }
-        emptied.push_back(std::string(section) + "." + part.key + ".faults=[]");
-        std::set<std::string> seen;
-        for (const Value& fault : faults->items) {
-          Json keys = json_of(fault);
-          for (const char* when : {"at", "for", "until", "every", "duty", "probability", "ramp"}) {
-            keys.erase(when);
-          }
-          keys["for"] = "3 s";
-          // Only a client sees that it is refused something.
-          if (part.key != kTwin && keys["type"] != "refuses" && seen.insert(keys["type"]).second) {
-            pairs.emplace_back(prefix + part.key, keys);
-          }
-        }
+  each_part(document, [&](const std::string& path, const std::string& on, const Value& part) {
+    const Value* faults = part.find("faults");
+    if (faults == nullptr) {
+      return;
+    }
+    emptied.push_back(path + ".faults=[]");
+    std::set<std::string> seen;
+    for (const Value& fault : faults->items) {
+      Json keys = json_of(fault);
+      for (const char* when : {"at", "for", "until", "every", "duty", "probability", "ramp"}) {
+        keys.erase(when);
+      }
+      keys["for"] = "3 s";
+      // Only a client sees that it is refused something.
+      if (on != kTwin && keys["type"] != "refuses" && seen.insert(keys["type"]).second) {
+        pairs.emplace_back(on, keys);
       }
     }
-  }
+  });
   if (GetParam() == "gnss") {  // that three seconds without corrections show
     emptied.emplace_back("devices.gnss.sensor.corrections.largest_age=2 s");
   } else if (GetParam() == "lidar") {  // that it has started when it is looked at

@@ -1,0 +1,79 @@
+// What goes wrong with the engine of a machine and with the pumps that it drives.
+//
+//   faults:
+//     - {on: machine.engine, type: derate, at: 20 s, for: 30 s, share: 40 %, ramp: 5 s}
+//     - {on: machine.pumps, type: weak, at: 60 s, share: 30 %}
+//
+// They hold from the first step of the physics that does not begin before them. Starting is not
+// modelled: an engine that gets fuel again runs up by itself.
+#pragma once
+
+#include <variant>
+
+#include "fields/rules.h"
+#include "fields/visitor.h"
+#include "sim/samples/fault_book.h"
+
+namespace rigwire::sim {
+
+struct NoFuelFault {
+  static constexpr fields::Named kNamed{"off", "The engine gets no fuel and runs down."};
+};
+struct DerateFault {
+  static constexpr fields::Named kNamed{"derate", "The engine gives a share of its torque."};
+
+  double share = 0.5;  ///< Of the reference torque.
+  Duration ramp{0};
+
+  void grow(double of_it) { share = 1.0 - of_it * (1.0 - share); }
+};
+inline void visit(fields::Visitor&, NoFuelFault&) {}
+void visit(fields::Visitor& v, DerateFault& p);
+
+struct EngineFault {
+  FaultPeriod when;
+  std::variant<NoFuelFault, DerateFault> what;
+};
+inline void visit(fields::Visitor& v, EngineFault& p) {
+  visit_fault(v, p);
+}
+
+struct WeakPumpsFault {
+  static constexpr fields::Named kNamed{"weak", "The pumps deliver a share of their flow."};
+
+  double share = 0.5;
+  Duration ramp{0};
+
+  void grow(double of_it) { share = 1.0 - of_it * (1.0 - share); }
+};
+void visit(fields::Visitor& v, WeakPumpsFault& p);
+
+struct PumpFault {
+  FaultPeriod when;
+  std::variant<WeakPumpsFault> what;
+};
+inline void visit(fields::Visitor& v, PumpFault& p) {
+  visit_fault(v, p);
+}
+
+/// What is wrong at an instant.
+struct PowerUnitDefects {
+  bool fuel = true;
+  double torque_share = 1.0;  ///< Of the reference torque, at most.
+  double flow_share = 1.0;    ///< Of what the pumps deliver at the same speed.
+
+  friend bool operator==(const PowerUnitDefects&, const PowerUnitDefects&) = default;
+};
+
+[[nodiscard]] PowerUnitDefects defects_at(SimTime time, const FaultBook<EngineFault>& engine,
+                                          const FaultBook<PumpFault>& pumps);
+
+/// A machine whose power unit can fail.
+class PowerUnitDefectPort {
+ public:
+  virtual ~PowerUnitDefectPort() = default;
+  /// Valid until the next.
+  virtual void fail(const PowerUnitDefects& defects) = 0;
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,136 @@
+// What goes wrong around the devices: it acts on the machine and the air, and is refused where
+// there is nothing that could fail.
+#include "hil/world/surroundings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/asio/io_context.hpp>
+#include <string>
+#include <vector>
+
+#include "governed_run.h"
+#include "hil/rig/rig.h"
+#include "hil/rig/rig_configuration.h"
+
+namespace rigwire::hil {
+namespace {
+
+using namespace std::chrono_literals;
+using test::file_of;
+using test::Json;
+using test::OneAtATime;
+using test::Ran;
+using test::run;
+using testing::HasSubstr;
+
+/// The excavator's file without the faults that it has there.
+std::vector<std::string> excavator(const std::vector<std::string>& more) {
+  std::vector<std::string> sets{"surroundings.engine.faults=[]", "surroundings.pumps.faults=[]"};
+  sets.insert(sets.end(), more.begin(), more.end());
+  return sets;
+}
+
+std::string complaint(const std::string& rig, const std::vector<std::string>& sets) {
+  try {
+    static_cast<void>(load_rig(file_of(rig), sets));
+    return {};
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+}
+
+/// Of the engine, second by second.
+std::vector<double> speeds_radps(const RigConfiguration& configuration, int seconds) {
+  SimulatedWorld world = make_world(configuration);
+  auto& port = dynamic_cast<sim::PowerUnitDefectPort&>(*world.machine().power_unit_port());
+  world.add(make_world_power_unit_faults(0, port, configuration.surroundings));
+  std::vector<double> speeds;
+  SampleBatch batch;
+  for (SimTime second = kStart + 1s; second <= kStart + std::chrono::seconds{seconds};
+       second += 1s) {
+    do {
+      EXPECT_EQ(world.advance({}, batch), std::nullopt);
+    } while (batch.until < second);
+    speeds.push_back(
+        world.machine().power_unit_port()->power_unit_sample(second).engine.speed_radps);
+  }
+  return speeds;
+}
+
+TEST(Surroundings, AnEngineWithoutFuelRunsDownAndUpAgain) {
+  const auto speeds = speeds_radps(
+      load_rig(file_of("modbus"),
+               excavator({"surroundings.engine.faults=[{type: off, at: 2 s, for: 3 s}]"}))
+          .configuration,
+      12);
+  EXPECT_NEAR(speeds[1], speeds[0], 0.02 * speeds[0]);
+  EXPECT_LT(speeds[4], 0.5 * speeds[0]);
+  EXPECT_NEAR(speeds[11], speeds[0], 0.05 * speeds[0]);
+}
+
+TEST(Surroundings, AListedFaultOfAPartIsThatOfItsOwnList) {
+  const std::string keys = "type: derate, at: 2 s, for: 3 s, share: 30 %";
+  const auto listed =
+      load_rig(file_of("modbus"), excavator({"faults=[{on: machine.engine, " + keys + "}]"}));
+  const auto own =
+      load_rig(file_of("modbus"), excavator({"surroundings.engine.faults=[{" + keys + "}]"}));
+  EXPECT_EQ(config_hash(listed.configuration), config_hash(own.configuration));
+  const auto windows = fault_windows(listed.configuration);
+  EXPECT_EQ(windows.back().where, "machine.engine");
+}
+
+TEST(Surroundings, WhatTheMachineHasNotCannotFail) {
+  EXPECT_THAT(complaint("gnss", {"faults=[{on: machine.pumps, type: weak, at: 1 s}]"}),
+              HasSubstr("no engine that drives pumps"));
+  const std::string clock = complaint("gnss", {"faults=[{on: clock, type: slow, at: 1 s}]"});
+  EXPECT_THAT(clock, HasSubstr("nothing of that name can have faults"));
+  EXPECT_THAT(clock, HasSubstr("machine.engine"));
+  EXPECT_THAT(complaint("gnss", {"faults=[{on: air, type: jamming, at: 1 s}]"}),
+              HasSubstr("rain, snow, fog"));
+}
+
+/// The rig has no weather of its own.
+TEST(Surroundings, FogThatComesUpWhileItRunsIsThatOfTheFile) {
+  const OneAtATime alone;
+  const std::string empty = "surroundings.air.faults=[]";
+  const RigConfiguration clear = load_rig(file_of("lidar"), {empty}).configuration;
+  const Request fog{FaultAddCommand{"air", "{type: fog, at: 1.5 s, for: 1 s, visibility: 20 m}"},
+                    1s};
+  const Ran without = run(clear, {}, 3s);
+  const Ran begun = run(clear, {fog}, 3s);
+  const Ran written =
+      run(load_rig(file_of("lidar"),
+                   {"surroundings.air.faults=[{type: fog, at: 1.5 s, for: 1 s, visibility: 20 m}]"})
+              .configuration,
+          {}, 3s);
+  EXPECT_TRUE(begun.answers.at(0)["ok"].get<bool>()) << begun.answers.at(0);
+  EXPECT_NE(begun.streams.at("lidar"), without.streams.at("lidar"));
+  EXPECT_EQ(begun.streams.at("gnss"), without.streams.at("gnss"));
+  EXPECT_EQ(begun.streams, written.streams);
+}
+
+TEST(Surroundings, RainAndSnowFromTheStartAreThoseOfACourse) {
+  const OneAtATime alone;
+  const auto ran = [](const std::string& air, const std::string& course) {
+    return run(load_rig(file_of("lidar"), {"surroundings.air.faults=[" + air + "]",
+                                           "scene.weather.course=[" + course + "]"})
+                   .configuration,
+               {}, 400ms)
+        .streams;
+  };
+  const auto both = ran("", "{rain: 20 mm/h, snow: 5 mm/h}");
+  EXPECT_EQ(ran("{type: rain, rate: 20 mm/h}, {type: snow, rate: 5 mm/h}", ""), both);
+  EXPECT_NE(ran("", ""), both);
+}
+
+TEST(Surroundings, ARunningMachineWithoutThemOffersNone) {
+  const OneAtATime alone;
+  const RigConfiguration gator = load_rig(file_of("gnss"), {}).configuration;
+  const Ran ran = run(gator, {{FaultAddCommand{"machine.engine", "{type: off}"}, 100ms}}, 200ms);
+  EXPECT_EQ(ran.answers.at(0)["path"], "on");
+  EXPECT_EQ(ran.answers.at(0)["allowed"], "gnss, starfire, bus can, air");
+}
+
+}  // namespace
+}  // namespace rigwire::hil

@@ -1,6 +1,7 @@
 #include "hil/configuration/document.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <unordered_map>
 
@@ -61,11 +63,61 @@ std::string Value::description() const {
 
 namespace {
 
+/// Hears where documents begin.
+class DocumentMarks final : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& mark) override { mark_ = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t /*anchor*/) override { at(mark); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t /*anchor*/) override { at(mark); }
+  void OnScalar(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {
+    at(mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& /*tag*/,
+                       YAML::anchor_t /*anchor*/, YAML::EmitterStyle::value /*style*/) override {
+    at(mark);
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {
+    at(mark);
+  }
+  void OnMapEnd() override {}
+
+  /// Of the last document's first node.
+  [[nodiscard]] const YAML::Mark& mark() const { return mark_; }
+  void next() { open_ = true; }
+
+ private:
+  void at(const YAML::Mark& mark) {
+    mark_ = open_ ? mark : mark_;
+    open_ = false;
+  }
+
+  YAML::Mark mark_;
+  bool open_ = false;
+};
+
+/// Where a second document begins, if there is one. YAML::LoadAll() does not return from some texts
+/// that are none (yaml-cpp 0.7: a comma at the beginning), as their documents never end.
+std::optional<YAML::Mark> second_document(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentMarks marks;
+  if (!parser.HandleNextDocument(marks)) {
+    return std::nullopt;
+  }
+  marks.next();
+  return parser.HandleNextDocument(marks) ? std::optional(marks.mark()) : std::nullopt;
+}
+
 /// What a file and all that it includes have come to.
 struct Extent {
   std::size_t nodes = 0;
   std::size_t includes = 0;
   int files = 0;  ///< Read to their end.
+  bool may_include = true;
   bool too_big = false;
 };
 
@@ -138,13 +190,10 @@ Value parse_text(const std::string& text, const std::string& name, const std::st
     return result;
   }
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      parser.report(parser.at(documents[1].Mark()), "", "more than one document in the file");
+    if (const auto second = second_document(text)) {
+      parser.report(parser.at(*second), "", "more than one document in the file");
     }
-    if (!documents.empty()) {
-      result = parser.convert(documents.front(), "", 0);
-    }
+    result = parser.convert(YAML::Load(text), "", 0);
   } catch (const YAML::Exception& error) {
     parser.report(parser.at(error.mark), "", "not valid YAML: " + error.msg);
   }
@@ -265,6 +314,11 @@ void Parser::include(Value& map, const std::string& path) {
   }
   const Value named = std::move(it->value);
   map.entries.erase(it);
+  if (!extent.may_include) {
+    report(named.where, child(path, "include"), "a request includes no files", named.description(),
+           "what it has itself");
+    return;
+  }
   std::vector<const Value*> files;
   if (named.kind == Value::Kind::scalar) {
     files.push_back(&named);
@@ -358,6 +412,12 @@ Value parse_document(const std::string& text, const std::string& name, const std
                      Problems& problems) {
   Extent extent;
   return parse_text(text, name, folder, problems, {}, extent);
+}
+
+Value parse_request(const std::string& text, const std::string& name, Problems& problems) {
+  Extent extent;
+  extent.may_include = false;
+  return parse_text(text, name, ".", problems, {}, extent);
 }
 
 void overlay(Value& base, Value over) {

@@ -58,6 +58,11 @@ inline constexpr std::size_t kMaximumIncludes = 1000;  ///< Each counted as ofte
 [[nodiscard]] Value parse_document(const std::string& text, const std::string& name,
                                    const std::string& folder, Problems& problems);
 
+/// The same of text by somebody who need not be allowed to read this user's files: an `include` in
+/// it is a problem, and no file is looked at.
+[[nodiscard]] Value parse_request(const std::string& text, const std::string& name,
+                                  Problems& problems);
+
 /// Lays `over` on `base`: maps merge, everything else is replaced.
 void overlay(Value& base, Value over);
 

@@ -1,8 +1,72 @@
 #include "hil/control/commands.h"
 
+#include <nlohmann/json.hpp>
+
+#include "hil/configuration/reader.h"
 #include "hil/executive/clock.h"
 
 namespace rigwire::hil {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Value& value) {
+  switch (value.kind) {
+    case Value::Kind::null:
+      return nullptr;
+    case Value::Kind::scalar:
+      return value.scalar;
+    case Value::Kind::list: {
+      Json list = Json::array();
+      for (const Value& item : value.items) {
+        list.push_back(json_of(item));
+      }
+      return list;
+    }
+    case Value::Kind::map:
+      break;
+  }
+  Json map = Json::object();
+  for (const Value::Entry& entry : value.entries) {
+    map[entry.key] = json_of(entry.value);
+  }
+  return map;
+}
+
+/// What is written as a map becomes the text that a command holds.
+void fold(Value& request, std::string_view key) {
+  if (Value* map = request.find(key); map != nullptr && map->kind == Value::Kind::map) {
+    const std::string text = json_text(*map);
+    *map = Value{.kind = Value::Kind::scalar,
+                 .scalar = text,
+                 .items = {},
+                 .entries = {},
+                 .where = map->where,
+                 .folder = map->folder};
+  }
+}
+
+}  // namespace
+
+std::string json_text(const Value& document) {
+  return json_of(document).dump();
+}
+
+std::optional<Request> read_request(const std::string& text, const std::string& name,
+                                    Problems& problems) {
+  Origins origins;
+  Value document = parse_request(text, name, problems);
+  if (!problems.empty()) {
+    return std::nullopt;  // and what is no text is not written as such
+  }
+  for (const std::string_view key : kFoldedKeys) {
+    fold(document, key);
+  }
+  Request request;
+  Reader(document, problems, origins).read(fields::Part::of(request));
+  return problems.empty() ? std::optional(request) : std::nullopt;
+}
+
 void visit(fields::Visitor& v, RunUntilCommand& p) {
   v.required("time");
   v.duration("time", p.time, {1, fields::kYear_ns}, "From the start of the run.");

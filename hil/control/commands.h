@@ -6,12 +6,17 @@
 //   {verb: speed, factor: 4, at: 10 s}
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include "fields/visitor.h"
+#include "hil/configuration/document.h"
+#include "hil/configuration/problems.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {
@@ -128,5 +133,16 @@ struct Request {
   Duration at{0};  ///< From the start of the run; what is over then is at once.
 };
 void visit(fields::Visitor& v, Request& p);
+
+/// Keys that hold others as text, and may be written as an object instead.
+inline constexpr std::array<std::string_view, 2> kFoldedKeys{"fault", "set"};
+
+/// JSON text of a document that is equal to it.
+[[nodiscard]] std::string json_text(const Value& document);
+
+/// A request from text, JSON or YAML, of whoever it comes; `name` stands for it in messages. What
+/// is wrong goes to `problems`, and nothing is returned.
+[[nodiscard]] std::optional<Request> read_request(const std::string& text, const std::string& name,
+                                                  Problems& problems);
 
 }  // namespace rigwire::hil

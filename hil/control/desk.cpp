@@ -86,43 +86,6 @@ Json json_of(const Problem& problem) {
   return why;
 }
 
-/// The text of a document that is equal to it.
-Json json_of(const Value& value) {
-  switch (value.kind) {
-    case Value::Kind::null:
-      return nullptr;
-    case Value::Kind::scalar:
-      return value.scalar;
-    case Value::Kind::list: {
-      Json list = Json::array();
-      for (const Value& item : value.items) {
-        list.push_back(json_of(item));
-      }
-      return list;
-    }
-    case Value::Kind::map:
-      break;
-  }
-  Json map = Json::object();
-  for (const Value::Entry& entry : value.entries) {
-    map[entry.key] = json_of(entry.value);
-  }
-  return map;
-}
-
-/// What is written as a map becomes the text that a command holds.
-void fold(Value& request, std::string_view key) {
-  if (Value* map = request.find(key); map != nullptr && map->kind == Value::Kind::map) {
-    const std::string text = json_of(*map).dump();
-    *map = Value{.kind = Value::Kind::scalar,
-                 .scalar = text,
-                 .items = {},
-                 .entries = {},
-                 .where = map->where,
-                 .folder = map->folder};
-  }
-}
-
 Json json_of(const RunEvent& event) {
   return {{"number", event.number},
           {"time_ns", nanoseconds(event.at)},
@@ -171,15 +134,7 @@ void Desk::carry_out(const Request& request, Answer answer) {
 std::optional<Request> Desk::read(const std::string& text, const std::string& name,
                                   const Answer& answer) {
   Problems problems;
-  Origins origins;
-  Value document = parse_document(text, name, ".", problems);
-  fold(document, "fault");
-  fold(document, "set");
-  Request request;
-  if (problems.empty()) {
-    Reader(document, problems, origins).read(fields::Part::of(request));
-  }
-  if (problems.empty()) {
+  if (auto request = read_request(text, name, problems)) {
     return request;
   }
   refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
@@ -368,7 +323,7 @@ void Desk::act(const WaitCommand& command, const Answer& answer) {
 void Desk::act(const FaultAddCommand& command, const Answer& answer) {
   Problems problems;
   Origins origins;
-  Value keys = parse_document(command.fault, "fault", ".", problems);
+  Value keys = parse_request(command.fault, "fault", problems);
   const Value* const type_key = keys.find("type");
   if (problems.empty() && (type_key == nullptr || type_key->kind != Value::Kind::scalar)) {
     refuse(answer, Reply::Outcome::wrong,
@@ -400,8 +355,7 @@ void Desk::act(const FaultAddCommand& command, const Answer& answer) {
       if (run_.recorder != nullptr) {
         // With the instant at which it begins.
         run_.recorder->command(
-            Json{{"verb", "fault_add"}, {"on", command.on}, {"fault", json_of(keys).dump()}}
-                .dump());
+            Json{{"verb", "fault_add"}, {"on", command.on}, {"fault", json_text(keys)}}.dump());
       }
       done(answer, {{"fault", json_of(*begun)}});
     } else {
@@ -577,7 +531,7 @@ void Desk::act(const SetCommand& command, const Answer& answer) {
   }
   const bool of_machine = run_.hand != nullptr && command.on == kMachine;
   Problems problems;
-  const Value keys = parse_document(command.set, "set", ".", problems);
+  const Value keys = parse_request(command.set, "set", problems);
   if (!problems.empty()) {
     refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
   } else if (keys.kind != Value::Kind::map || keys.entries.empty()) {

@@ -117,6 +117,15 @@ TEST(Document, key_that_is_a_list_is_refused) {
   EXPECT_THAT(complaints(problems), HasSubstr("a key must be a word, found a list"));
 }
 
+/// The library's own loop over documents does not end there.
+TEST(Document, ACommaIsNoDocumentAndIsToldAtOnce) {
+  for (const std::string text : {",", ", a: 1", ",,,,"}) {
+    Problems problems;
+    (void)parse_document(text, "a.yaml", ".", problems);
+    EXPECT_FALSE(problems.empty()) << text;
+  }
+}
+
 TEST(Document, second_document_is_refused) {
   Problems problems;
   (void)parse_document("a: 1\n---\nb: 2\n", "a.yaml", ".", problems);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/random.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <nlohmann/json.hpp>
@@ -56,6 +57,48 @@ bool same(std::string_view found, std::string_view wanted) {
   }
   return difference == 0;
 }
+
+/// What is served where; dispatch, refusals and the description are made of it.
+struct Door {
+  using Serve = void (*)(Desk& desk, const drivers::HttpRequest& request,
+                         const drivers::HttpServer::Respond& respond);
+
+  std::string_view method;
+  std::string_view path;
+  std::string_view text;
+  std::string_view content;  ///< Type of what is answered.
+  bool replies;              ///< With a Reply of the desk.
+  Serve serve;
+};
+
+Desk::Answer answer_with(const drivers::HttpServer::Respond& respond) {
+  return [respond](const Reply& reply) {
+    respond({status_of(reply.outcome), kJson, reply.json, {}, false});
+  };
+}
+
+constexpr std::array<Door, 5> kDoors{{
+    {"POST", "/command", "A command of the run.", kJson, true,
+     [](Desk& desk, const auto& request, const auto& respond) {
+       desk.carry_out(request.body, "the request", answer_with(respond));
+     }},
+    {"GET", "/state", StateCommand::kNamed.text, kJson, true,
+     [](Desk& desk, const auto&, const auto& respond) {
+       desk.carry_out(Request{StateCommand{}}, answer_with(respond));
+     }},
+    {"GET", "/read", ReadCommand::kNamed.text, kJson, true,
+     [](Desk& desk, const auto&, const auto& respond) {
+       desk.carry_out(Request{ReadCommand{}}, answer_with(respond));
+     }},
+    {"GET", "/metrics", "Counters and lateness of the run.", kPrometheus, false,
+     [](Desk& desk, const auto&, const auto& respond) {
+       respond({200, kPrometheus, desk.metrics(), {}, false});
+     }},
+    {"GET", "/openapi.json", "This description.", kJson, false,
+     [](Desk&, const auto&, const auto& respond) {
+       respond({200, kJson, control_api(), {}, false});
+     }},
+}};
 
 }  // namespace
 
@@ -129,30 +172,53 @@ void ControlServer::serve(const drivers::HttpRequest& request,
     respond(*refusal);
     return;
   }
-  const auto answer = [respond](const Reply& reply) {
-    respond({status_of(reply.outcome), kJson, reply.json, {}, false});
-  };
-  const bool reads = request.method == "GET" || request.method == "HEAD";
-  if (request.target == "/command") {
-    if (request.method == "POST") {
-      desk_.carry_out(request.body, "the request", answer);
-    } else {
-      drivers::HttpResponse refusal = complaint(405, "commands are posted");
-      refusal.allow = "POST";
-      respond(refusal);
+  const auto* const door = std::ranges::find(kDoors, request.target, &Door::path);
+  if (door == kDoors.end()) {
+    std::string all;
+    for (const Door& one : kDoors) {
+      all += fmt::format("{}{} {}", all.empty() ? "" : ", ", one.method, one.path);
     }
-  } else if (request.target == "/state" && reads) {
-    desk_.carry_out(Request{StateCommand{}}, answer);
-  } else if (request.target == "/read" && reads) {
-    desk_.carry_out(Request{ReadCommand{}}, answer);
-  } else if (request.target == "/metrics" && reads) {
-    respond({200, kPrometheus, desk_.metrics(), {}, false});
-  } else if (request.target == "/openapi.json" && reads) {
-    respond({200, kJson, control_api(), {}, false});
-  } else {
-    respond(complaint(404, "allowed POST /command, GET /state, /read, /metrics, /openapi.json"));
+    respond(complaint(404, "allowed " + all));
+    return;
   }
+  const bool reads = door->method == "GET" && request.method == "HEAD";
+  if (request.method != door->method && !reads) {
+    drivers::HttpResponse refusal =
+        complaint(405, fmt::format("allowed {} {}", door->method, door->path));
+    refusal.allow = door->method == "GET" ? "GET, HEAD" : std::string(door->method);
+    respond(refusal);
+    return;
+  }
+  door->serve(desk_, request, respond);
 }
+
+namespace {
+
+/// The schema of a request as it comes over a wire: it includes no file.
+Json request_schema() {
+  Json schema = Json::parse(schema_of(Request{}, "A command of a run."));
+  schema["properties"].erase("include");
+  const Json needs = schema["else"];
+  schema.erase("if");
+  schema.erase("else");
+  schema["required"] = needs["required"];
+  for (const Json& one : needs["allOf"]) {
+    schema["allOf"].push_back(one);
+  }
+  for (Json& one : schema["allOf"]) {
+    if (one["then"].contains("properties")) {
+      for (const std::string_view key : kFoldedKeys) {
+        const auto found = one["then"]["properties"].find(key);
+        if (found != one["then"]["properties"].end() && found->is_object()) {
+          (*found)["type"].push_back("object");
+        }
+      }
+    }
+  }
+  return schema;
+}
+
+}  // namespace
 
 std::string control_api() {
   const Json reply{
@@ -170,30 +236,35 @@ std::string control_api() {
     return Json{{"description", description},
                 {"content", {{kJson, {{"schema", {{"$ref", "#/components/schemas/Reply"}}}}}}}};
   };
-  const Json responses{{"200", response("Done.")},
-                       {"400", response("No request: what is wrong, and where.")},
-                       {"409", response("Not now, or not with this run.")},
-                       {"410", response("The run ended before.")}};
-  Json request = Json::parse(schema_of(Request{}, "A command of a run."));
-  return Json{
-      {"openapi", "3.1.0"},
-      {"info", {{"title", "Control of a Rigwire run"}, {"version", "1"}}},
-      {"paths",
-       {{"/command",
-         {{"post",
-           {{"requestBody",
-             {{"required", true},
-              {"content", {{kJson, {{"schema", {{"$ref", "#/components/schemas/Request"}}}}}}}}},
-            {"responses", responses}}}}},
-        {"/state", {{"get", {{"responses", responses}}}}},
-        {"/read", {{"get", {{"responses", responses}}}}},
-        {"/metrics",
-         {{"get",
-           {{"responses",
-             {{"200",
-               {{"description", "Counters and lateness of the run."},
-                {"content", {{kPrometheus, {{"schema", {{"type", "string"}}}}}}}}}}}}}}}}},
-      {"components", {{"schemas", {{"Request", std::move(request)}, {"Reply", reply}}}}}}
+  const Json refusals{{"401", response("At a port: without the run's token.")},
+                      {"403", response("Of a page, or with another Host.")}};
+  const Json outcomes{{"200", response("Done.")},
+                      {"400", response("No request: what is wrong, and where.")},
+                      {"409", response("Not now, or not with this run.")},
+                      {"410", response("The run ended before.")}};
+  Json paths = Json::object();
+  for (const Door& door : kDoors) {
+    Json operation{{"summary", door.text}};
+    if (door.method == "POST") {
+      operation["requestBody"] = {
+          {"required", true},
+          {"content", {{kJson, {{"schema", {{"$ref", "#/components/schemas/Request"}}}}}}}};
+    }
+    if (door.replies) {
+      operation["responses"] = outcomes;
+    } else {
+      const char* const type = door.content == kJson ? "object" : "string";
+      operation["responses"]["200"] = {
+          {"description", door.text},
+          {"content", {{std::string(door.content), {{"schema", {{"type", type}}}}}}}};
+    }
+    operation["responses"].update(refusals);
+    paths[std::string(door.path)][door.method == "POST" ? "post" : "get"] = operation;
+  }
+  return Json{{"openapi", "3.1.0"},
+              {"info", {{"title", "Control of a Rigwire run"}, {"version", "1"}}},
+              {"paths", paths},
+              {"components", {{"schemas", {{"Request", request_schema()}, {"Reply", reply}}}}}}
       .dump(2);
 }
 

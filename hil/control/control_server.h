@@ -2,9 +2,11 @@
 //
 //   POST /command      a request of commands.h as JSON or YAML; the reply's JSON (desk.h)
 //   GET  /state, /read the same without a body
-//   GET  /openapi.json what may be asked, made from the commands' own rules
+//   GET  /metrics      the figures of the report so far, as Prometheus reads them
+//   GET  /openapi.json what may be asked, made from the table of these and the commands' own rules
 //
-// Status 200 done, 400 no request, 409 refused, 410 the run has ended.
+// Status 200 done, 400 no request, 404 and 405 no such path or verb, 409 refused, 410 the run has
+// ended. Where GET is served HEAD is, too.
 //
 // A Unix socket is its owner's alone (mode 0600). On a port every request needs
 // "Authorization: Bearer TOKEN", and is refused (403) when its Host is another than the address, so

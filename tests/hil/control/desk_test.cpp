@@ -12,38 +12,17 @@
 #include <utility>
 #include <vector>
 
+#include "clockwork.h"
 #include "hil/control/control_server.h"
 
 namespace rigwire::hil {
 namespace {
 
 using namespace std::chrono_literals;
+using test::Clockwork;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using Json = nlohmann::json;
-
-/// Its one quantity is the time in seconds.
-class Clockwork final : public TruthSource {
- public:
-  [[nodiscard]] Duration slice() const override { return 2ms; }
-  std::optional<std::string> advance(const TruthRequests& /*requests*/,
-                                     SampleBatch& batch) override {
-    batch.clear();
-    batch.from = frontier_;
-    frontier_ += slice();
-    batch.until = frontier_;
-    batch.state = {to_seconds(frontier_)};
-    return std::nullopt;
-  }
-  [[nodiscard]] const std::vector<StateQuantity>& state_quantities() const override {
-    return quantities_;
-  }
-  [[nodiscard]] TruthStages stages() const override { return {}; }
-
- private:
-  SimTime frontier_ = kStart;
-  std::vector<StateQuantity> quantities_{{"angle", "rad"}};
-};
 
 class DeskTest : public testing::Test {
  protected:

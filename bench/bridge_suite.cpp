@@ -14,12 +14,16 @@
 #include <thread>
 #include <vector>
 
+#include "bench/cost.h"
 #include "bench/host.h"
 #include "bench/isolated_run.h"
+#include "bench/private_rig.h"
 #include "bench/suites.h"
 #include "bench/table.h"
 #include "drivers/http_server.h"
 #include "hil/files/private_folder.h"
+#include "hil/record/motion_line.h"
+#include "hil/rig/rig.h"
 
 namespace rigwire::bench {
 namespace {
@@ -28,10 +32,17 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kStarts = 20;
 constexpr int kSteps = 2000;
-constexpr int kRuns = 16;
+/// Of the runs two at a time, so many go one by one: their pace is the same from the first on.
+constexpr int kOneByOneOf = 10;
 constexpr int kRecordingRounds = 2;
+constexpr int kRecorded_s = 5;
 constexpr double kGoalReady_s = 0.5;
 constexpr double kGoalRecording = 0.1;
+
+int& runs_at_once() {
+  static int runs = 1000;
+  return runs;
+}
 
 double seconds_of(const std::function<void()>& work) {
   const auto before = Clock::now();
@@ -139,16 +150,21 @@ nlohmann::json measure_recording(std::ostream& text) {
   struct Way {
     const char* name;
     bool records;
+    bool clouds = false;       ///< `/points` of each lidar, a turn a second.
     double cpu = 0.0;          ///< Of a core, least of the rounds.
     double lateness_us = 0.0;  ///< p99, the greatest of the devices, least of the rounds.
+    double truth_mb_s = 0.0;   ///< Of the MCAP.
   };
-  std::vector<Way> ways{{"not recorded", false}, {"recorded", true}};
+  std::vector<Way> ways{{"not recorded", false}, {"recorded", true}, {"and /points", true, true}};
   for (int round = 0; round < kRecordingRounds; ++round) {
     for (Way& way : ways) {
       const hil::PrivateFolder folder("bench");
-      std::vector<std::string> arguments{"--duration", "5s"};
+      std::vector<std::string> arguments{"--duration", fmt::format("{}s", kRecorded_s)};
       if (way.records) {
         arguments.insert(arguments.end(), {"--record", (folder.path() / "recording").string()});
+      }
+      if (way.clouds) {
+        arguments.insert(arguments.end(), {"--set", "truth.clouds_every=1s"});
       }
       IsolatedRun run(folder.path() / "run", arguments);
       require_done(run.wait());
@@ -160,14 +176,21 @@ nlohmann::json measure_recording(std::ostream& text) {
       const double cpu = report["cpu_s"].get<double>() / report["wall_s"].get<double>();
       way.cpu = round == 0 ? cpu : std::min(way.cpu, cpu);
       way.lateness_us = round == 0 ? lateness_us : std::min(way.lateness_us, lateness_us);
+      if (way.records) {
+        way.truth_mb_s = 1e-6 / kRecorded_s *
+                         static_cast<double>(std::filesystem::file_size(
+                             folder.path() / "recording" / "truth.mcap"));
+      }
     }
   }
-  const Table table(text, {{"real time", "<16"}, {"of a core", ">10"}, {"p99 us", ">10"}});
+  const Table table(
+      text, {{"real time", "<16"}, {"of a core", ">10"}, {"p99 us", ">10"}, {"truth MB/s", ">12"}});
   table.head();
   nlohmann::json json;
   for (const Way& way : ways) {
     json["runs"].push_back(table.row({word("run", way.name), number("core", way.cpu, "{:.3f}"),
-                                      number("lateness_p99_us", way.lateness_us, "{:.1f}")}));
+                                      number("lateness_p99_us", way.lateness_us, "{:.1f}"),
+                                      number("truth_mb_per_s", way.truth_mb_s, "{:.3f}")}));
   }
   const double cost = ways[1].cpu - ways[0].cpu;
   text << fmt::format("recording everything: {:.3f} of a core; goal < {:g}: {}\n", cost,
@@ -175,6 +198,50 @@ nlohmann::json measure_recording(std::ostream& text) {
   json["core"] = cost;
   json["goal"] = kGoalRecording;
   return json;
+}
+
+/// What one message of /motion costs and holds, by making that of a record over and over.
+class MotionCost final : public hil::TruthObserver {
+ public:
+  struct Found {
+    double ns = 0.0;
+    std::size_t bytes = 0;
+  };
+  MotionCost(std::span<const std::string_view> links, Found& found)
+      : links_(links.begin(), links.end()), found_(found) {}
+
+  void record(const hil::TruthRecord& record) override {
+    found_.bytes = hil::motion_line(record, links_).size();
+    found_.ns = nanoseconds_of([&](int) {
+      const std::string line = hil::motion_line(record, links_);
+      keep(line.data());
+    });
+  }
+
+ private:
+  std::vector<std::string> links_;
+  Found& found_;
+};
+
+nlohmann::json measure_motion(std::ostream& text) {
+  const PrivateRig rig;
+  hil::SimulatedWorld world = hil::make_world(rig.configuration());
+  MotionCost::Found found;
+  world.add_truth_observer(std::make_unique<MotionCost>(world.machine().link_names(), found),
+                           rig.configuration().truth.period);
+  hil::SampleBatch batch;
+  while (found.bytes == 0) {
+    if (const auto fault = world.advance({}, batch)) {
+      throw std::runtime_error(*fault);
+    }
+  }
+  const double rate_hz = 1.0 / to_seconds(rig.configuration().truth.period);
+  const double core = 1e-9 * found.ns * rate_hz;
+  const double mb_s = 1e-6 * static_cast<double>(found.bytes) * rate_hz;
+  text << fmt::format(
+      "a message of /motion: {:.1f} us, {} bytes; at {:g} Hz {:.4f} of a core, {:.3f} MB/s\n",
+      1e-3 * found.ns, found.bytes, rate_hz, core, mb_s);
+  return {{"us", 1e-3 * found.ns}, {"bytes", found.bytes}, {"core", core}, {"mb_per_s", mb_s}};
 }
 
 nlohmann::json measure_many(std::ostream& text) {
@@ -187,38 +254,46 @@ nlohmann::json measure_many(std::ostream& text) {
   nlohmann::json json;
   double alone = 0.0;
   for (const int at_once : {1, 2}) {
+    const int runs = at_once == 2 ? runs_at_once() : std::max(2, runs_at_once() / kOneByOneOf);
     const hil::PrivateFolder folder("bench");
     double cpu_s = 0.0;
     double memory_mb = 0.0;
     const double wall_s = seconds_of([&] {
-      for (int i = 0; i < kRuns; i += at_once) {
-        std::vector<std::unique_ptr<IsolatedRun>> runs;
-        for (int k = 0; k < at_once; ++k) {
-          runs.push_back(std::make_unique<IsolatedRun>(
+      for (int i = 0; i < runs; i += at_once) {
+        std::vector<std::unique_ptr<IsolatedRun>> together;
+        for (int k = 0; k < at_once && i + k < runs; ++k) {
+          together.push_back(std::make_unique<IsolatedRun>(
               folder.path() / std::to_string(i + k),
               std::vector<std::string>{"--clock", "free", "--duration", "2s", "--set",
                                        "seed=" + std::to_string(i + k)}));
         }
-        for (const auto& run : runs) {
+        for (const auto& run : together) {
           const IsolatedRun::Ended ended = run->wait();
           require_done(ended);
           cpu_s += ended.cpu_s;
           memory_mb = std::max(memory_mb, ended.peak_rss_mb);
         }
+        for (int k = 0; k < at_once; ++k) {
+          std::filesystem::remove_all(folder.path() / std::to_string(i + k));
+        }
       }
     });
-    const double per_minute = 60.0 * kRuns / wall_s;
+    const double per_minute = 60.0 * runs / wall_s;
     alone = at_once == 1 ? per_minute : alone;
     json.push_back(table.row(
         {cell("at_once", at_once, at_once == 1 ? "one by one" : fmt::format("{} at once", at_once)),
          number("runs_per_minute", per_minute, "{:.1f}"),
          number("ratio", per_minute / alone, "{:.2f}"), number("peak_rss_mb", memory_mb, "{:.0f}"),
-         number("cpu_s", cpu_s / kRuns, "{:.2f}"), stored("runs", kRuns)}));
+         number("cpu_s", cpu_s / runs, "{:.2f}"), stored("runs", runs)}));
   }
   return json;
 }
 
 }  // namespace
+
+void set_bridge_runs(int runs) {
+  runs_at_once() = runs;
+}
 
 nlohmann::json bench_bridge(std::ostream& text) {
   const std::array<double, 3> load = load_average();
@@ -228,6 +303,7 @@ nlohmann::json bench_bridge(std::ostream& text) {
   json["start"] = measure_start(text);
   json["round_trips"] = measure_steps(text);
   json["recording"] = measure_recording(text);
+  json["motion"] = measure_motion(text);
   json["many"] = measure_many(text);
   return json;
 }

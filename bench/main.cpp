@@ -14,6 +14,7 @@
 
 #include "bench/host.h"
 #include "bench/registry.h"
+#include "bench/suites.h"
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/suggest.h"
 
@@ -23,6 +24,7 @@ namespace {
 struct Options {
   std::string suite;
   std::string json_file;
+  int bridge_runs = 1000;
   bool list = false;
 };
 
@@ -86,6 +88,7 @@ int run(const Options& options) {
   if (!options.suite.empty() && std::ranges::find(names, options.suite) == names.end()) {
     return refuse_suite(options.suite);
   }
+  set_bridge_runs(options.bridge_runs);
   const nlohmann::ordered_json results = measure(options.suite);
   if (!options.json_file.empty()) {
     std::ofstream file(options.json_file);
@@ -110,6 +113,8 @@ int run(int count, char** arguments) {
   rigwire::bench::Options options;
   app.add_option("suite", options.suite, "One suite; all without it");
   app.add_option("--json", options.json_file, "Write the figures to a file");
+  app.add_option("--bridge-runs", options.bridge_runs, "Runs of 2 s of the suite bridge; 1000")
+      ->check(CLI::Range(2, 100'000));
   app.add_flag("--list", options.list, "List the suites");
   try {
     app.parse(count, arguments);

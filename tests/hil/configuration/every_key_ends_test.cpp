@@ -564,8 +564,12 @@ TEST(EveryKeyEnds, of_modbus_lines_are_where_describe_says) {
 }
 
 TEST(EveryKeyEnds, of_rigs_are_where_describe_says) {
+  static constexpr std::array kJoint{
+      JointRefusal{"surroundings.*.faults.0.duty", End::upper, kOnce},
+      JointRefusal{"surroundings.*.faults.0.every", End::upper, kAlways},
+  };
   EveryKey keys(subject<RigConfiguration>({"scene", "machine", "buses", "modbus", "devices"}), {},
-                {});
+                kJoint);
   EXPECT_GT(keys.run(), 10u);
 }
 

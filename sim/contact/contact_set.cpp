@@ -5,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "sim/contact/loose_bodies.h"
@@ -26,6 +27,7 @@ constexpr double kTerrain_npm = 5e7;
 // point has come a quarter of the way: the terrain may be steep.
 constexpr double kLow_m = 0.1;
 constexpr double kNoWall_m = 0.45;  // Of a drum that is not: after a tenth of a metre.
+constexpr double kSteep = 0.87;     // Cosine: 30 degrees.
 constexpr double kRollsOver = 0.3;  // Cosine: 72 degrees round from a drum's lowest line.
 
 /// Half lengths, along the world's axes, of the box about a placed shape.
@@ -64,6 +66,42 @@ double from_segment2(const Vector& p, const Vector& a, const Vector& b) {
   return (p - a - share * way).squaredNorm();
 }
 
+/// The terrain under p, and how far p is above it along its normal.
+std::pair<GroundPoint, double> from_above(const Ground& ground, const Vector& p) {
+  const GroundPoint under = ground.terrain_at(p.x(), p.y());
+  return {under, (p.z() - under.height_m) * under.normal_W.z()};
+}
+
+// Of a point deep in the ground: where the way to it from the first of `outside` that is above
+// ground enters through what is steep against the surface above p, against the terrain there.
+std::pair<GroundPoint, double> from_outside(const Ground& ground, std::array<Vector, 2> outside,
+                                            const Vector& p) {
+  constexpr double kApart_m = 0.05;
+  const std::pair<GroundPoint, double> found = from_above(ground, p);
+  const auto above = [&](const Vector& q) { return q.z() > ground.height_m(q.x(), q.y()); };
+  const auto* const start = std::ranges::find_if(outside, above);
+  if (start == outside.end()) {
+    return found;
+  }
+  const Vector way = p - *start;
+  const double step = std::min(1.0, kApart_m / way.norm());
+  double in = step;
+  while (in < 1.0 && above(*start + in * way)) {
+    in = std::min(1.0, in + step);
+  }
+  double out = in - step;
+  for (int i = 0; i < 8; ++i) {
+    const double s = 0.5 * (out + in);
+    (above(*start + s * way) ? out : in) = s;
+  }
+  const Vector entry = *start + in * way;
+  const GroundPoint at = ground.terrain_at(entry.x(), entry.y());
+  if (at.normal_W.dot(found.first.normal_W) > kSteep) {
+    return found;
+  }
+  return {at, (p - entry).dot(at.normal_W)};
+}
+
 // A cylinder that rolls, and does not lie on an end.
 bool rolls_on(const ContactBody& body, const Eigen::Isometry3d& X_WS) {
   constexpr double kOnItsSide = 0.5;  // Cosine between axle and vertical.
@@ -72,7 +110,6 @@ bool rolls_on(const ContactBody& body, const Eigen::Isometry3d& X_WS) {
 
 // Whether a body whose machine knows what it stands on runs into this of the terrain.
 bool in_the_way(const ContactBody& body, const Eigen::Matrix3d& R_WL, const Vector& normal_W) {
-  constexpr double kSteep = 0.87;
   return normal_W.dot(R_WL.col(2)) < (body.rolls ? kRollsOver : kSteep);
 }
 
@@ -383,6 +420,7 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
   const Eigen::Isometry3d X_WS = link.X_WL * body.X_LS;
   const double arm = body.X_LS.translation().norm() + body.shape.reach_m();
   const double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
+  constexpr double kDeep_m = 0.03;      // Deeper is asked from which side it came.
   constexpr double kSame_m = 1e-4;      // A point of the surface found again.
   constexpr double kSameSide_m = 0.02;  // And one of a side that rolls on.
   constexpr double kDeeper_m = 5e-4;    // By so much another is deeper before it takes its place.
@@ -400,8 +438,12 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
     touches_.push_back({found, pair.memory.knows(p_L, body.rolls ? kSameSide_m : kSame_m)});
   };
   const auto look_at = [&](const Vector& p) {
-    const GroundPoint under = ground_->terrain_at(p.x(), p.y());
-    const double gap = (p.z() - under.height_m) * under.normal_W.z();
+    auto [under, gap] = from_above(*ground_, p);
+    if (gap < -kDeep_m) {
+      const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * p;
+      std::tie(under, gap) = from_outside(
+          *ground_, {X_WS * body.shape.middle_m(), link.X_WL * Vector(0.0, 0.0, p_L.z())}, p);
+    }
     if (gap <= reach) {
       keep({p, under.normal_W, gap, under.soil});
     }

@@ -42,10 +42,11 @@ ContactSet vehicle_contact(const WheeledVehicleParameters& parameters, const Sta
                            const Ground& ground) {
   std::vector<ContactBody> bodies =
       contact_bodies(parameters.solid, kWheeledLinks, parameters.mass_kg());
+  const bool by_wheels = parameters.level == VehicleLevel::full;
   for (ContactBody& box : bodies) {
-    box.meets_terrain = parameters.level == VehicleLevel::full;
+    box.meets_terrain = true;
   }
-  if (parameters.level == VehicleLevel::full) {
+  if (by_wheels) {
     add_corners(parameters, bodies);
   }
   for (std::size_t i = 0; i < kWheels; ++i) {
@@ -64,6 +65,7 @@ ContactSet vehicle_contact(const WheeledVehicleParameters& parameters, const Sta
                     0.0,
                     true,
                     true});
+    wheel.meets_terrain = !by_wheels;
     // The cylinder's z along the axle.
     wheel.X_LS = Eigen::AngleAxisd(-0.5 * std::numbers::pi, Eigen::Vector3d::UnitX());
     ContactBody rim = wheel;
@@ -77,7 +79,9 @@ ContactSet vehicle_contact(const WheeledVehicleParameters& parameters, const Sta
     rim.soft = false;
     bodies.push_back(std::move(rim));
   }
-  return ContactSet(std::move(bodies), kWheeledLinks.size(), ground);
+  ContactSet contact(std::move(bodies), kWheeledLinks.size(), ground);
+  contact.carry(by_wheels ? Carried::by_wheels : Carried::by_model);
+  return contact;
 }
 
 double vehicle_reach_m(const WheeledVehicleParameters& parameters) {

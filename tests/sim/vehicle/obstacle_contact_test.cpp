@@ -28,6 +28,21 @@ Ground firm_with(std::vector<Obstacle> obstacles) {
   return Ground(field, SoilMap{{soil}, {}}, std::move(obstacles));
 }
 
+/// Level, and beyond x = 6 m higher by this.
+Ground bank(double rise_m) {
+  HeightField field;
+  field.origin_m = {-10.0, -10.0};
+  field.cell_m = 0.1;
+  field.columns = 401;
+  field.rows = 201;
+  for (std::size_t i = 0; i < field.columns * field.rows; ++i) {
+    field.heights_m.push_back(i % field.columns > 160 ? rise_m : 0.0);
+  }
+  SoilParameters soil;
+  soil.friction = 0.8;
+  return Ground(field, SoilMap{{soil}, {}}, {});
+}
+
 struct Drive {
   explicit Drive(Ground with, VehicleLevel level, double speed_mps, bool engine = false,
                  const VehiclePlace& place = {})
@@ -103,6 +118,32 @@ TEST_P(EveryLevel, AWallStopsIt) {
   run.run(4.0);
   EXPECT_LT(run.farthest_m, 14.0 - kFront_m + 0.6);
   EXPECT_GT(run.lost_j, 0.3 * 0.5 * 5000.0 * 13.9 * 13.9);
+}
+
+// Levels that are carried by the ground under their wheels were lifted onto it.
+TEST_P(EveryLevel, ABankStopsItAndItDrivesBack) {
+  for (const auto& [rise_m, speeds_mps] :
+       {std::pair{0.7, std::vector{1.0, 3.0}}, {1.0, {1.0, 3.0}}, {3.0, {1.0, 3.0, 13.9}}}) {
+    for (const double speed_mps : speeds_mps) {
+      Drive run(bank(rise_m), GetParam(), speed_mps);
+      bool met = false;
+      for (int i = 0; i < 300; ++i) {
+        run.run(10e-3);
+        met = met || run.machine->contact_report()->terrain;
+      }
+      const std::string what = std::to_string(rise_m) + " m, " + std::to_string(speed_mps) + " m/s";
+      ASSERT_FALSE(run.machine->non_finite()) << what;
+      EXPECT_TRUE(met) << what;
+      EXPECT_LT(run.farthest_m, 6.0 - kFront_m + 0.9) << what;
+      EXPECT_LT(run.deepest_m, 0.02) << what;
+      EXPECT_LT(run.gain_j, 0.02 * 0.5 * 5600.0 * speed_mps * speed_mps) << what;
+      EXPECT_LT(run.fastest_mps, 1.01 * speed_mps + 0.01) << what;
+      run.machine->start_rolling(-1.0);
+      const double stood_m = run.x_m();
+      run.run(2.0);
+      EXPECT_LT(run.x_m(), stood_m - 1.0) << what;
+    }
+  }
 }
 
 // 171 mm in trunks, 234 mm in a wall: what does not give is not entered.

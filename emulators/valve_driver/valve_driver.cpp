@@ -603,8 +603,7 @@ std::span<const ModbusUnit::IdentificationObject> ValveDriver::Unit::identificat
 }
 
 bool ValveDriver::Unit::has_function(std::uint8_t function) const {
-  const std::vector<std::uint8_t>& has = driver_.map_.functions;
-  return has.empty() || std::ranges::find(has, function) != has.end();
+  return emulators::has_function(driver_.map_, function);
 }
 
 void ValveDriver::Unit::served(SimTime now) {

@@ -390,7 +390,8 @@ void visit(fields::Visitor& v, ValveMap& p) {
   v.boolean("watchdog_recovers", p.watchdog_recovers, "The next feed ends a trip.");
   v.boolean("always_enabled", p.always_enabled, "Enabled from power-up on.");
   v.number_list("functions", functions, plain().between(1, 127),
-                "Function codes that it has, others answer exception 01; empty = all.");
+                "Function codes that it has, others answer exception 01; empty = all that are for its "
+                "tables, or for none.");
   for (const double code : functions) {
     v.check(is_function(code), "functions", "no function of a valve driver", number(code),
             kFunctionNames);
@@ -439,6 +440,28 @@ void require_functions(const ValveMap& map) {
 }
 
 }  // namespace
+
+bool has_function(const ValveMap& map, std::uint8_t function) {
+  if (!map.functions.empty() || function == 0) {
+    return std::ranges::find(map.functions, function) != map.functions.end();
+  }
+  bool of_a_table = false;
+  for (std::size_t i = 0; i < kTableFunctions.size(); ++i) {
+    const auto& [read, write] = kTableFunctions[i];
+    if (std::ranges::find(read, function) == read.end() &&
+        std::ranges::find(write, function) == write.end()) {
+      continue;
+    }
+    of_a_table = true;
+    const auto table = static_cast<ModbusTable>(i);
+    const bool mirror = table == ModbusTable::holding_registers && map.input_mirror;
+    if (mirror ||
+        std::ranges::find(map.registers, table, &ValveRegister::table) != map.registers.end()) {
+      return true;
+    }
+  }
+  return !of_a_table;
+}
 
 bool enabled_by_section(const ValveMap& map) {
   const auto any = [&](ValveSignal signal) {

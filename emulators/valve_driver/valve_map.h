@@ -103,7 +103,8 @@ struct ValveMap {
   bool watchdog_recovers = false;
   /// Enabled from power-up on; a map without an enable signal must say so.
   bool always_enabled = false;
-  /// Function codes that the device has; others answer exception 01. Empty: all of the emulator's.
+  /// Function codes that the device has; others answer exception 01. Empty: those of the emulator's
+  /// that reach one of its tables, or none in particular.
   std::vector<std::uint8_t> functions;
   bool gaps_read_zero = false;  ///< Between a table's first and last register; else exception 02.
   std::optional<std::uint16_t>
@@ -117,6 +118,8 @@ void visit(fields::Visitor& v, ValveMap& p);
 /// sections that are not there, functions that leave a table out of reach.
 /// Does not ask the rules of visit(): a count that is not given stands as NaN.
 void validate(const ValveMap& map);
+/// Whether a device with this map has the function, whatever the request.
+[[nodiscard]] bool has_function(const ValveMap& map, std::uint8_t function);
 /// What is wrong with one register by itself; empty when nothing is.
 [[nodiscard]] std::string fault_of(const ValveRegister& entry, bool writable_table);
 

@@ -173,6 +173,17 @@ TEST_F(ValveDriverTest, AddressesEndWhereTheMapEnds) {
             refused(ExceptionCode::illegal_function, 1));
 }
 
+// A malformed request of a function that it does not have was answered with exception 03.
+TEST_F(ValveDriverTest, WithoutCoilsItHasNoFunctionOfThem) {
+  for (const std::uint8_t function : std::array<std::uint8_t, 4>{1, 2, 5, 15}) {
+    EXPECT_FALSE(driver_.unit().has_function(function)) << unsigned{function};
+  }
+  for (const std::uint8_t function :
+       std::array<std::uint8_t, 8>{3, 4, 6, 16, 17, 22, 23, 43}) {
+    EXPECT_TRUE(driver_.unit().has_function(function)) << unsigned{function};
+  }
+}
+
 TEST_F(ValveDriverTest, APlcCycleWritesCommandsAndReadsStatusInOneRequest) {
   const std::uint16_t written[] = {1, 300, 0, 0, 0, 0, 0, 0, 0, 17};
   const auto answer = ask(kStart, ReadWriteRegisters{1000, 22, 0, make_registers(written)});

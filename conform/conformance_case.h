@@ -1,0 +1,83 @@
+// What one check of a suite is, and what came of it. A suite is a table of cases; each is a
+// citation (document, section), a thing to do, and what must, should or may be seen.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rigwire::conform {
+
+/// Of the sentence that a case cites.
+enum class Strength : std::uint8_t {
+  must,     ///< Otherwise it fails.
+  should,   ///< Otherwise the device is lenient.
+  observed  ///< Nothing is asked: what is seen is told.
+};
+
+/// What a case does to the device.
+enum class Danger : std::uint8_t {
+  none,    ///< Reads, or asks for what has to be refused.
+  writes,  ///< Changes what the profile says may be changed, and puts it back.
+  moves    ///< A machine may move by it.
+};
+
+enum class Verdict : std::uint8_t {
+  pass,
+  lenient,  ///< Accepted or answered otherwise than the document recommends.
+  fail,
+  informational,   ///< A value was observed.
+  not_applicable,  ///< The device does not claim what the case needs.
+  skipped,         ///< Not asked for: too dangerous without an option.
+  error            ///< The tool or the way to the device, not the device.
+};
+
+[[nodiscard]] std::string_view word(Strength strength);
+[[nodiscard]] std::string_view word(Danger danger);
+[[nodiscard]] std::string_view word(Verdict verdict);
+
+/// Who a case is. `id` is a citation: suite, section, number: "modbus/6.3/4".
+struct CaseIdentity {
+  std::string id;
+  std::string title;
+  std::string source;  ///< Document, revision and section.
+  Strength strength = Strength::must;
+  Danger danger = Danger::none;
+};
+
+/// One thing that went over the wire, or a word about it.
+struct Step {
+  enum class Kind : std::uint8_t { sent, received, note };
+  Kind kind = Kind::note;
+  std::chrono::nanoseconds at{};  ///< From the begin of the case.
+  std::vector<std::uint8_t> bytes;
+  std::string words;  ///< The fields of the bytes by name, or the note.
+};
+
+struct CaseResult {
+  CaseIdentity identity;
+  Verdict verdict = Verdict::pass;
+  std::string expected;  ///< Of the first expectation that did not hold; of a pass of all.
+  std::string got;       ///< What was seen instead, or observed, or why it was not tried.
+  std::vector<Step> steps;
+};
+
+/// What a run of a suite found, in the order of its table.
+struct SuiteResult {
+  std::string suite;
+  std::string endpoint;
+  std::string profile_hash;  ///< Of the claims as they were read.
+  std::vector<CaseResult> cases;
+
+  [[nodiscard]] std::size_t count(Verdict verdict) const;
+};
+
+/// Whether `id` is asked for: any of `wanted` is it or a prefix of it at a slash; all without any.
+[[nodiscard]] bool is_wanted(std::string_view id, const std::vector<std::string>& wanted);
+
+/// "0A 1B", the first `most` of them.
+[[nodiscard]] std::string hex_text(const std::vector<std::uint8_t>& bytes, std::size_t most = 64);
+
+}  // namespace rigwire::conform

@@ -1,0 +1,54 @@
+// What a Modbus server claims of itself: what its profile says and the suite holds it to.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "protocols/modbus/constants.h"
+#include "protocols/modbus/rtu.h"
+
+namespace rigwire::conform {
+
+/// Addresses as on the wire, from 0, both ends included.
+struct AddressRange {
+  std::uint16_t first = 0;
+  std::uint16_t last = 0;
+
+  [[nodiscard]] bool holds(std::uint32_t address) const {
+    return address >= first && address <= last;
+  }
+  [[nodiscard]] std::size_t size() const { return std::size_t{last} - first + 1U; }
+  friend bool operator==(const AddressRange&, const AddressRange&) = default;
+};
+
+struct ModbusClaims {
+  std::uint8_t unit = 1;
+  std::vector<std::uint8_t> functions;  ///< Function codes that it has.
+  /// What can be read, by Table; in order, apart from each other.
+  std::array<std::vector<AddressRange>, 4> tables;
+  /// What may be written without anything moving; each takes any value, or one bit turned over.
+  std::vector<AddressRange> writable_coils;
+  std::vector<AddressRange> writable_registers;
+  /// An answer comes within this in 99 of 100.
+  std::chrono::milliseconds answer_within{100};
+  /// Who has not answered by then does not.
+  std::chrono::milliseconds patience{1000};
+  protocols::modbus::SerialCharacter character = protocols::modbus::SerialCharacter::even_8e1;
+
+  [[nodiscard]] bool has(std::uint8_t function) const {
+    return std::ranges::find(functions, function) != functions.end();
+  }
+  [[nodiscard]] const std::vector<AddressRange>& table(protocols::modbus::Table table) const {
+    return tables[static_cast<std::size_t>(table)];
+  }
+  [[nodiscard]] bool claims(protocols::modbus::Table table, std::uint32_t address) const;
+  /// The lowest address that is not in the table, beginning with the one after its last; nothing
+  /// where it has all.
+  [[nodiscard]] std::optional<std::uint16_t> outside(protocols::modbus::Table table) const;
+};
+
+}  // namespace rigwire::conform

@@ -1,0 +1,147 @@
+#include "conform/modbus/modbus_suite.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace rigwire::conform {
+
+namespace modbus = protocols::modbus;
+
+namespace {
+
+/// What keeps a case from being tried; empty when nothing does.
+std::pair<Verdict, std::string> hindrance(const ModbusCase& of, const ModbusDevice& device,
+                                          const SuiteOptions& options) {
+  if (std::string reason = missing(of.needs, device); !reason.empty()) {
+    return {Verdict::not_applicable, std::move(reason)};
+  }
+  if (of.identity.danger == Danger::writes && !options.writes) {
+    return {Verdict::skipped, "it writes; asked for by --writes"};
+  }
+  if (of.identity.danger == Danger::moves && !options.moves) {
+    return {Verdict::skipped, "it moves the machine; asked for by --moves"};
+  }
+  if (of.identity.id.find("/robustness/") != std::string::npos && !options.robustness) {
+    return {Verdict::skipped, "no conformance; asked for by --robustness"};
+  }
+  return {Verdict::pass, ""};
+}
+
+CaseResult run_case(const ModbusCase& of, ModbusDevice& device) {
+  try {
+    ModbusTrial trial(of.identity, device);
+    try {
+      of.run(trial);
+    } catch (const Unreachable& lost) {
+      trial.broken(lost.what());
+    }
+    return trial.result();
+  } catch (const Unreachable& lost) {
+    return {of.identity, Verdict::error, "", lost.what(), {}};
+  }
+}
+
+/// Reads of the ranges' items: all that is there between the two, halving what is refused.
+void find_items(ModbusTrial& trial, std::uint8_t function, unsigned most, unsigned first,
+                unsigned after, std::vector<AddressRange>& found) {
+  while (first < after) {
+    const unsigned count = std::min(most, after - first);
+    const auto answer = trial.ask(fields_pdu(function, {first, count}));
+    if (!answer) {
+      return;
+    }
+    if (answer->front() == function) {
+      const auto last = static_cast<std::uint16_t>(first + count - 1);
+      if (!found.empty() && found.back().last + 1U == first) {
+        found.back().last = last;
+      } else {
+        found.push_back({static_cast<std::uint16_t>(first), last});
+      }
+    } else if (count > 1) {
+      find_items(trial, function, count / 2, first, first + count, found);
+    }
+    first += count;
+  }
+}
+
+}  // namespace
+
+std::vector<ModbusCase> modbus_cases() {
+  std::vector<ModbusCase> all;
+  for (auto* chapter :
+       {modbus_tcp_cases, modbus_exception_cases, modbus_reading_cases, modbus_writing_cases,
+        modbus_identity_cases, modbus_serial_cases, modbus_timing_cases, modbus_robustness_cases}) {
+    std::ranges::move(chapter(), std::back_inserter(all));
+  }
+  return all;
+}
+
+SuiteResult run_modbus_suite(ModbusDevice& device, const SuiteOptions& options) {
+  SuiteResult result;
+  result.suite = device.serial() ? "modbus-rtu" : "modbus-tcp";
+  result.endpoint = device.endpoint.text();
+  device.line = device.endpoint.open();
+  for (const ModbusCase& each : modbus_cases()) {
+    if (!is_wanted(each.identity.id, options.wanted)) {
+      continue;
+    }
+    const auto [verdict, reason] = hindrance(each, device, options);
+    result.cases.push_back(reason.empty() ? run_case(each, device)
+                                          : CaseResult{each.identity, verdict, "", reason, {}});
+    if (options.ended) {
+      options.ended(result.cases.back());
+    }
+  }
+  device.line.reset();
+  return result;
+}
+
+ModbusClaims survey_modbus(ModbusDevice& device, unsigned addresses) {
+  ModbusClaims claims = device.claims;
+  ModbusTrial trial({}, device);
+  // Exception 1 says that it does not; who ends the connection had at least begun.
+  const auto knows = [&](const Pdu& request) {
+    const auto answer = trial.ask(request);
+    if (!answer) {
+      const bool ended = trial.line().closed();
+      trial.reopen();
+      return ended;
+    }
+    return answer->size() != 2 || (answer->front() & modbus::kExceptionFlag) == 0 ||
+           (*answer)[1] != static_cast<std::uint8_t>(modbus::ExceptionCode::illegal_function);
+  };
+  const std::uint32_t after = std::min<std::uint32_t>(addresses, modbus::kTableSize);
+  claims.functions.clear();
+  for (std::uint8_t code = 1; code <= 4; ++code) {
+    std::vector<AddressRange>& table = claims.tables[code - 1U];
+    table.clear();
+    if (!knows(fields_pdu(code, {0, 1}))) {
+      continue;
+    }
+    claims.functions.push_back(code);
+    find_items(
+        trial, code,
+        static_cast<unsigned>(code <= 2 ? modbus::kReadBitsMaximum : modbus::kReadRegistersMaximum),
+        0, after, table);
+  }
+  // Of writing functions requests that change nothing: too short, or of nothing.
+  const std::vector<Pdu> harmless{with(fields_pdu(5, {0}), {0}),
+                                  with(fields_pdu(6, {0}), {0}),
+                                  {7},
+                                  fields_pdu(8, {0, 0}),
+                                  {11},
+                                  with(fields_pdu(15, {0, 0}), {0}),
+                                  with(fields_pdu(16, {0, 0}), {0}),
+                                  {17},
+                                  fields_pdu(22, {0xFFFF, 0xFFFF, 0}),
+                                  with(fields_pdu(23, {0, 0, 0, 0}), {0}),
+                                  {43, modbus::kDeviceIdentificationInterface, 1, 0}};
+  for (const Pdu& request : harmless) {
+    if (knows(request)) {
+      claims.functions.push_back(request.front());
+    }
+  }
+  return claims;
+}
+
+}  // namespace rigwire::conform

@@ -1,0 +1,88 @@
+#include "conform/trial.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace rigwire::conform {
+
+Trial::Trial(CaseIdentity identity)
+    : identity_(std::move(identity)), began_(std::chrono::steady_clock::now()) {}
+
+std::chrono::nanoseconds Trial::now() const {
+  return std::chrono::steady_clock::now() - began_;
+}
+
+void Trial::note(std::string words) {
+  steps_.push_back({Step::Kind::note, now(), {}, std::move(words)});
+}
+
+void Trial::sent(std::span<const std::uint8_t> bytes, std::string words) {
+  steps_.push_back({Step::Kind::sent, now(), {bytes.begin(), bytes.end()}, std::move(words)});
+}
+
+void Trial::received(std::span<const std::uint8_t> bytes, std::string words) {
+  steps_.push_back({Step::Kind::received, now(), {bytes.begin(), bytes.end()}, std::move(words)});
+}
+
+void Trial::find(Verdict verdict, std::string expected, std::string got) {
+  if (!found_) {
+    found_ = verdict;
+    expected_ = std::move(expected);
+    got_ = std::move(got);
+  }
+}
+
+bool Trial::expect(bool holds, std::string expected, std::string got) {
+  if (holds) {
+    if (std::ranges::find(all_, expected) == all_.end()) {
+      all_.push_back(std::move(expected));
+    }
+    return true;
+  }
+  switch (identity_.strength) {
+    case Strength::must:
+      find(Verdict::fail, std::move(expected), std::move(got));
+      break;
+    case Strength::should:
+      find(Verdict::lenient, std::move(expected), std::move(got));
+      break;
+    case Strength::observed:
+      find(Verdict::informational, std::move(expected), std::move(got));
+      break;
+  }
+  return false;
+}
+
+bool Trial::demand(bool holds, std::string expected, std::string got) {
+  if (!holds) {
+    find(Verdict::fail, std::move(expected), std::move(got));
+  }
+  return holds;
+}
+
+void Trial::observe(std::string value) {
+  got_ = std::move(value);
+  if (!found_ && identity_.strength == Strength::observed) {
+    found_ = Verdict::informational;
+  }
+}
+
+void Trial::not_applicable(std::string reason) {
+  find(Verdict::not_applicable, "", std::move(reason));
+}
+
+void Trial::broken(std::string reason) {
+  find(Verdict::error, "", std::move(reason));
+}
+
+CaseResult Trial::result() const {
+  CaseResult result{identity_, found_.value_or(Verdict::pass), expected_, got_, steps_};
+  if (!found_) {
+    for (const std::string& held : all_) {
+      result.expected += (result.expected.empty() ? "" : "; ") + held;
+    }
+  }
+  return result;
+}
+
+}  // namespace rigwire::conform

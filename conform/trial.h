@@ -1,0 +1,51 @@
+// One case while it runs: what went over the wire, and whether what was expected was seen.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "conform/conformance_case.h"
+
+namespace rigwire::conform {
+
+class Trial {
+ public:
+  explicit Trial(CaseIdentity identity);
+
+  void note(std::string words);
+  void sent(std::span<const std::uint8_t> bytes, std::string words);
+  void received(std::span<const std::uint8_t> bytes, std::string words);
+
+  /// Of what the case cites. The first that does not hold decides: fail, lenient or informational,
+  /// as strong as the case is. Returns `holds`.
+  bool expect(bool holds, std::string expected, std::string got);
+  /// Of what every answer has to be, however strong the case is: fails where it does not hold.
+  bool demand(bool holds, std::string expected, std::string got);
+  /// A value that was seen; of an observed case what it is about.
+  void observe(std::string value);
+  /// Cannot be tried here, although the claims said so.
+  void not_applicable(std::string reason);
+  /// Of the way to the device.
+  void broken(std::string reason);
+
+  /// Nothing has gone wrong so far.
+  [[nodiscard]] bool fine() const { return !found_; }
+  [[nodiscard]] CaseResult result() const;
+
+ private:
+  void find(Verdict verdict, std::string expected, std::string got);
+  [[nodiscard]] std::chrono::nanoseconds now() const;
+
+  CaseIdentity identity_;
+  std::chrono::steady_clock::time_point began_;
+  std::optional<Verdict> found_;
+  std::string expected_;
+  std::string got_;
+  std::vector<std::string> all_;  ///< That held.
+  std::vector<Step> steps_;
+};
+
+}  // namespace rigwire::conform

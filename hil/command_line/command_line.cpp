@@ -21,6 +21,7 @@
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
+#include "hil/conformance/conform.h"
 
 #ifndef RIGWIRE_VERSION
 #define RIGWIRE_VERSION "unknown"
@@ -43,8 +44,9 @@ Examples:
 Exit codes: 0 done, 1 run-time failure, 2 usage or configuration, 3 environment or permission,
 128 + n after signal n.)";
 
-constexpr std::array kVerbs{"run",    "picture", "check", "list",   "describe", "schema",
-                            "doctor", "bench",   "ctl",   "record", "replay",   "completion"};
+constexpr std::array kVerbs{"run",    "picture", "check",     "list",    "describe",
+                            "schema", "doctor",  "bench",     "conform", "ctl",
+                            "record", "replay",  "completion"};
 
 int usage(const std::string& message, std::ostream& err, const std::string& help = "") {
   err << "rigwire: " << message << "\n"
@@ -175,6 +177,7 @@ struct Parsed {
   std::string layer = "image";
   bool raw = false;
   std::string output;
+  ConformRequest conform;
 };
 
 void declare(CLI::App& app, Parsed& parsed) {
@@ -400,6 +403,56 @@ void declare(CLI::App& app, Parsed& parsed) {
 
   CLI::App* doctor_app = app.add_subcommand("doctor", "What this machine can offer, and the fixes");
   doctor_app->add_flag("--json", parsed.json, "As JSON");
+
+  CLI::App* conform_app =
+      app.add_subcommand("conform", "Hold a device to its protocol's documents, case by case");
+  ConformRequest& conform = parsed.conform;
+  conform_app->add_option("suite", conform.suite, "modbus-tcp or modbus-rtu")->required();
+  conform_app->add_option("endpoint", conform.endpoint,
+                          "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], or rig:RIG#DEVICE of ours");
+  conform_app->add_option("ids", conform.wanted,
+                          "Cases, or the begin of some at a slash: modbus/6.3; all without");
+  CLI::Option* listed =
+      conform_app->add_flag("--list", conform.list, "Print the cases; ask nobody");
+  CLI::Option* profile =
+      conform_app->add_option("--profile", conform.profile, "YAML file of what the device claims");
+  CLI::Option* make = conform_app
+                          ->add_flag("--make-profile", conform.make_profile,
+                                     "Ask the device what it has, and print it as a profile")
+                          ->excludes(profile)
+                          ->excludes(listed);
+  conform_app
+      ->add_option("--addresses", conform.addresses, "With --make-profile: those below are tried")
+      ->check(CLI::Range(1, 65536))
+      ->capture_default_str()
+      ->needs(make);
+  conform_app
+      ->add_flag("--writes", conform.writes,
+                 "Also cases that change what the profile says may be, and put it back")
+      ->excludes(make);
+  conform_app
+      ->add_flag("--robustness", conform.robustness,
+                 "Also garbage and floods, which are no conformance")
+      ->excludes(make);
+  conform_app->add_flag("--allow-remote", conform.allow_remote, "A device beyond this machine");
+  const auto file = [&](const char* name, std::string& value, const char* text) {
+    return conform_app->add_option(name, value, text)->excludes(make)->excludes(listed);
+  };
+  file("--expect", conform.expectations,
+       "File of known deviations with their reasons: what differs from it is what fails");
+  file("--json", conform.json, "The result with every exchange; - is standard output");
+  file("--junit", conform.junit, "The result as JUnit XML");
+  CLI::Option* html = file("--html", conform.html, "The result as a page");
+  conform_app
+      ->add_option("--beside", conform.beside, "Of the page: earlier results (--json) beside this")
+      ->allow_extra_args(false)
+      ->needs(html);
+  file("--captures", conform.captures, "Folder for a pcapng file of each case");
+  conform_app->footer(
+      "\nExamples:\n  rigwire conform modbus-tcp rig:excavator_pit#valves \\\n"
+      "      --profile configs/profiles/valve_driver.yaml --writes\n"
+      "  rigwire conform modbus-tcp tcp:127.0.0.1:502 --make-profile > device.yaml\n"
+      "  rigwire conform modbus-rtu serial:/dev/ttyUSB0@19200 --profile device.yaml modbus/6.3");
 
   // Whatever follows is for the other program, --help included.
   CLI::App* bench_app =
@@ -745,6 +798,13 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
   }
   if (app.got_subcommand("doctor")) {
     return doctor_verb(parsed.json, terminal);
+  }
+  if (app.got_subcommand("conform")) {
+    const std::vector<std::string> suites = conformance_suites();
+    if (std::ranges::find(suites, parsed.conform.suite) == suites.end()) {
+      return refuse_word("suite", parsed.conform.suite, suites, terminal);
+    }
+    return conform(parsed.conform, terminal.out, terminal.err);
   }
   if (app.got_subcommand("bench")) {
     return bench_verb(app.get_subcommand("bench")->remaining(), terminal);

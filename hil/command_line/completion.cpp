@@ -11,7 +11,7 @@ _rigwire() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run picture check list describe schema doctor bench ctl record replay completion --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run picture check list describe schema doctor bench conform ctl record replay completion --help --version" -- "$word"))
     return
   fi
   case $before in
@@ -20,9 +20,10 @@ _rigwire() {
     --status) COMPREPLY=($(compgen -W "live plain none" -- "$word")); return ;;
     --log-level) COMPREPLY=($(compgen -W "debug info warning error" -- "$word")); return ;;
     --layer) COMPREPLY=($(compgen -W "image right disparity range confidence depth labels" -- "$word")); return ;;
-    -o|--output) COMPREPLY=($(compgen -f -- "$word")); return ;;
+    -o|--output|--profile|--expect|--junit|--html|--beside)
+      COMPREPLY=($(compgen -f -- "$word")); return ;;
     --report|--json|--truth|--lidar-truth|--camera-truth)
-      if [ "$verb" = run ] || [ "$verb" = bench ]; then
+      if [ "$verb" = run ] || [ "$verb" = bench ] || [ "$verb" = conform ]; then
         COMPREPLY=($(compgen -f -- "$word")); return
       fi ;;
   esac
@@ -33,6 +34,7 @@ _rigwire() {
     list) local options="devices machines scenes rigs faults --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
+    conform) local options="modbus-tcp modbus-rtu --list --profile --make-profile --addresses --writes --robustness --allow-remote --expect --json --junit --html --beside --captures --help" ;;
     schema) local options="rig machine scene valve-map dbc-node --help" ;;
     record) local options="info cut export --from --to --topic --output --json --help" ;;
     replay) local options="--verify --json --clock --loop --speed --from --to --log-level --help" ;;
@@ -56,7 +58,7 @@ constexpr const char* kZsh = R"sh(#compdef rigwire
 # rigwire completion for zsh:  rigwire completion zsh > ~/.zfunc/_rigwire
 _rigwire() {
   local -a verbs
-  verbs=(run picture check list describe schema doctor bench ctl record replay completion)
+  verbs=(run picture check list describe schema doctor bench conform ctl record replay completion)
   if (( CURRENT == 2 )); then
     compadd -- $verbs --help --version
     return
@@ -68,7 +70,8 @@ _rigwire() {
     --log-level) compadd -- debug info warning error; return ;;
     --layer) compadd -- image right disparity range confidence depth labels; return ;;
     --report|--truth|--lidar-truth|-o|--output) _files; return ;;
-    --record|--camera-truth|--isolated) _files -/; return ;;
+    --profile|--expect|--junit|--html|--beside) _files; return ;;
+    --record|--camera-truth|--isolated|--captures) _files -/; return ;;
   esac
   case $words[2] in
     run) compadd -- --clock --patience --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help ;;
@@ -77,6 +80,7 @@ _rigwire() {
     list) compadd -- devices machines scenes rigs faults --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
+    conform) compadd -- modbus-tcp modbus-rtu --list --profile --make-profile --addresses --writes --robustness --allow-remote --expect --json --junit --html --beside --captures --help ;;
     schema) compadd -- rig machine scene valve-map dbc-node ;;
     record) compadd -- info cut export --from --to --topic --output --json --help ;;
     replay) compadd -- --verify --json --clock --loop --speed --from --to --log-level --help ;;
@@ -96,7 +100,7 @@ if [ "$funcstack[1]" = "_rigwire" ]; then _rigwire "$@"; else compdef _rigwire r
 
 constexpr const char* kFish = R"sh(# rigwire completion for fish:  rigwire completion fish | source
 complete -c rigwire -f
-complete -c rigwire -n __fish_use_subcommand -a "run picture check list describe schema doctor bench ctl record replay completion"
+complete -c rigwire -n __fish_use_subcommand -a "run picture check list describe schema doctor bench conform ctl record replay completion"
 complete -c rigwire -n __fish_use_subcommand -l help -d "Help"
 complete -c rigwire -n __fish_use_subcommand -l version -d "Version"
 complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -a "(rigwire list rigs | string replace -r ' .*' '')"
@@ -140,6 +144,20 @@ complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines s
 complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list devices | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -l json -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -a "modbus-tcp modbus-rtu"
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l list
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l make-profile
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l writes
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l robustness
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l allow-remote
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l profile -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l expect -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l json -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l junit -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l html -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l beside -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l addresses -x
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l captures -x -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from schema" -a "rig machine scene valve-map dbc-node"
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -a "state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop"
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -l follow

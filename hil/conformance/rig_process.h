@@ -1,0 +1,30 @@
+// A rig of ours that runs beside, for who wants to be a client of one of its devices: `rigwire run
+// --isolated` in a process and a folder of its own, which end with it.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace rigwire::hil {
+
+class RigProcess {
+ public:
+  /// Returns when every wire is open. Throws drivers::EndpointError with what it said when it ends
+  /// before or is not ready in 30 s.
+  explicit RigProcess(const std::string& rig, const std::vector<std::string>& sets = {});
+  RigProcess(const RigProcess&) = delete;
+  RigProcess& operator=(const RigProcess&) = delete;
+  ~RigProcess();
+
+  /// Where a device's wire is, as run.json says: "tcp 127.0.0.1:1502". Throws
+  /// std::invalid_argument for a device that the rig does not have.
+  [[nodiscard]] std::string wire(const std::string& device) const;
+
+ private:
+  std::string folder_;
+  pid_t process_ = -1;
+};
+
+}  // namespace rigwire::hil

@@ -24,10 +24,11 @@ struct ProgramResult {
   std::string text;  ///< Both streams.
 };
 
-/// Runs a shell command, at most 20 s.
-inline ProgramResult run_program(const std::string& command) {
+/// Runs a shell command, at most `seconds`.
+inline ProgramResult run_program(const std::string& command, int seconds = 20) {
   ProgramResult result;
-  FILE* pipe = ::popen(("timeout 20 " + command + " 2>&1").c_str(), "r");
+  FILE* pipe =
+      ::popen(("timeout " + std::to_string(seconds) + " " + command + " 2>&1").c_str(), "r");
   if (pipe == nullptr) {
     return result;
   }

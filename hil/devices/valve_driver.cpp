@@ -128,6 +128,9 @@ void ValveDriverConfiguration::visit(fields::Visitor& v) {
 void ValveDriverConfiguration::validate() const {
   try {
     emulators::validate(driver_settings(*this));
+    for (const emulators::ModbusFault& fault : line_faults()) {
+      emulators::validate(fault, emulators::ModbusWire::tcp);
+    }
   } catch (const ConfigurationError& error) {
     throw std::invalid_argument(error.what());
   }

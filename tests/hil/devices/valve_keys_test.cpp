@@ -55,5 +55,15 @@ TEST_F(ValveKeys, a_machine_without_valves_is_refused) {
   EXPECT_THAT(complaints("{type: valve-driver}", "wheeled"), HasSubstr("no valve block"));
 }
 
+// `check` found it good, and the run refused to begin.
+TEST_F(ValveKeys, a_fault_of_its_own_line_that_cannot_be_is_refused) {
+  EXPECT_THAT(complaints("{type: valve-driver, faults: [{type: frozen}]}"),
+              AllOf(HasSubstr("frozen"), HasSubstr("allowed holding, input")));
+  EXPECT_THAT(complaints("{type: valve-driver, faults: [{type: wrong_check}]}"),
+              HasSubstr("wrong_check"));
+  EXPECT_EQ(complaints("{type: valve-driver, faults: [{type: frozen, table: holding, last: 43}]}"),
+            "");
+}
+
 }  // namespace
 }  // namespace rigwire::hil

@@ -50,6 +50,8 @@ class CanopenDevice : public CanDevice, protected CanopenProfile {
 
   [[nodiscard]] const CanopenNode& node() const { return node_; }
   [[nodiscard]] Supply& supply() { return supply_; }
+  [[nodiscard]] Pace& pace() { return node_.pace(); }
+  [[nodiscard]] Refusal& refusal() { return node_.refusal(); }
 
  protected:
   /// `objects`, `memory` and `output` must outlive the device.

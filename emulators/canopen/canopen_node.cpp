@@ -12,7 +12,7 @@ using canopen::NodeState;
 using canopen::ObjectAddress;
 using canopen::SdoAbort;
 using protocols::can::Frame;
-using Refusal = std::optional<SdoAbort>;
+using Abort = std::optional<SdoAbort>;
 
 namespace {
 
@@ -335,7 +335,7 @@ void CanopenNode::send_pdo(SimTime now, std::size_t index) {
     return;
   }
   pdo.pending = now < pdo.allowed;
-  if (pdo.pending) {
+  if (pdo.pending || !pace_.has_time(now, static_cast<std::uint32_t>(index))) {
     return;
   }
   pdo.sent = {};
@@ -391,7 +391,7 @@ std::int64_t CanopenNode::number(ObjectAddress address) const {
   return live ? *live : dictionary_.value(address);
 }
 
-Refusal CanopenNode::read(ObjectAddress address, SdoValue& value) const {
+Abort CanopenNode::read(ObjectAddress address, SdoValue& value) const {
   const canopen::ObjectEntry* entry = dictionary_.find(address);
   if (entry == nullptr) {
     return dictionary_.has_object(address.index) ? SdoAbort::no_such_subindex
@@ -417,8 +417,8 @@ Refusal CanopenNode::read(ObjectAddress address, SdoValue& value) const {
   return std::nullopt;
 }
 
-Refusal CanopenNode::write(SimTime now, ObjectAddress address, std::span<const std::uint8_t> data,
-                           bool sized) {
+Abort CanopenNode::write(SimTime now, ObjectAddress address, std::span<const std::uint8_t> data,
+                         bool sized) {
   const canopen::ObjectEntry* entry = dictionary_.find(address);
   if (entry == nullptr) {
     return dictionary_.has_object(address.index) ? SdoAbort::no_such_subindex
@@ -433,6 +433,9 @@ Refusal CanopenNode::write(SimTime now, ObjectAddress address, std::span<const s
   }
   if (data.size() > bytes && sized) {
     return SdoAbort::too_long;
+  }
+  if (refusal_.holds(now)) {
+    return SdoAbort::not_in_this_state;
   }
   const std::int64_t value = canopen::load(entry->type, data.first(bytes));
   if (address.index == object::kStore || address.index == object::kRestore) {
@@ -482,21 +485,21 @@ std::string_view CanopenNode::configure(SimTime now, ObjectAddress address, std:
   return write(now, address, written, true) ? "it aborts the SDO" : "";
 }
 
-Refusal CanopenNode::command(ObjectAddress address, std::int64_t value) {
+Abort CanopenNode::command(ObjectAddress address, std::int64_t value) {
   const bool save = address.index == object::kStore;
   if (value != (save ? canopen::kSaveSignature : canopen::kLoadSignature)) {
     return SdoAbort::cannot_store;
   }
   if (save) {
     restore_ = false;
-    return remember(remembered().node_id, dictionary_.saved()) ? Refusal{} : SdoAbort::cannot_store;
+    return remember(remembered().node_id, dictionary_.saved()) ? Abort{} : SdoAbort::cannot_store;
   }
   // Valid after the next reset; what was saved is gone. The node-ID is no parameter of 1011.
   restore_ = true;
-  return remember(remembered().node_id, {}) ? Refusal{} : SdoAbort::cannot_store;
+  return remember(remembered().node_id, {}) ? Abort{} : SdoAbort::cannot_store;
 }
 
-Refusal CanopenNode::check(ObjectAddress address, std::int64_t value) const {
+Abort CanopenNode::check(ObjectAddress address, std::int64_t value) const {
   if (is_cob_id(address)) {
     const std::int64_t old = dictionary_.value(address);
     const bool extended = (static_cast<std::uint32_t>(value) & canopen::kCobExtended) != 0;
@@ -514,7 +517,7 @@ Refusal CanopenNode::check(ObjectAddress address, std::int64_t value) const {
   return std::nullopt;
 }
 
-Refusal CanopenNode::check_pdo(ObjectAddress address, std::int64_t value) const {
+Abort CanopenNode::check_pdo(ObjectAddress address, std::int64_t value) const {
   if (address.sub == canopen::kPdoType && value > canopen::kGreatestSynchronous &&
       value < canopen::kOnChange) {
     return SdoAbort::value_range;
@@ -526,7 +529,7 @@ Refusal CanopenNode::check_pdo(ObjectAddress address, std::int64_t value) const 
   return std::nullopt;
 }
 
-Refusal CanopenNode::check_mapping(ObjectAddress address, std::int64_t value) const {
+Abort CanopenNode::check_mapping(ObjectAddress address, std::int64_t value) const {
   const auto pdo =
       static_cast<std::uint16_t>(address.index - object::kTransmitMapping + object::kTransmitPdo);
   const bool exists = valid(dictionary_.value({pdo, canopen::kPdoId}));
@@ -542,7 +545,7 @@ Refusal CanopenNode::check_mapping(ObjectAddress address, std::int64_t value) co
     return fits ? entry : nullptr;
   };
   if (address.sub > 0) {
-    return value == 0 || mapped(value) != nullptr ? Refusal{} : SdoAbort::not_mappable;
+    return value == 0 || mapped(value) != nullptr ? Abort{} : SdoAbort::not_mappable;
   }
   std::size_t bytes = 0;
   for (std::int64_t i = 1; i <= value; ++i) {
@@ -553,7 +556,7 @@ Refusal CanopenNode::check_mapping(ObjectAddress address, std::int64_t value) co
     }
     bytes += canopen::size_of(entry->type);
   }
-  return bytes <= 8 ? Refusal{} : SdoAbort::mapping_too_long;
+  return bytes <= 8 ? Abort{} : SdoAbort::mapping_too_long;
 }
 
 }  // namespace rigwire::emulators

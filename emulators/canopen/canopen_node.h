@@ -14,6 +14,11 @@
 // makes due follows its answer. Inhibit times hold. Node guarding, remote requests, receive PDOs
 // and block transfer are not there.
 //
+// A node that is slow sends a share of its PDOs; what it leaves out of those sent on a change goes
+// with the next look at it. A node that refuses aborts whatever an SDO would write with 0x08000022,
+// "cannot be transferred or stored because of the present device state" (7.2.4.3.17), and answers
+// LSS with the implementation specific error 255 (CiA 305); it can be read, and managed.
+//
 // What outlives the supply is one block: the node-ID that LSS stored (0: none, it is that of the
 // settings), then the dictionary's.
 #pragma once
@@ -29,6 +34,7 @@
 #include "emulators/canopen/object_dictionary.h"
 #include "emulators/canopen/sdo_server.h"
 #include "emulators/device.h"
+#include "emulators/firmware_fault.h"
 #include "protocols/canopen/communication_objects.h"
 #include "protocols/canopen/eds.h"
 #include "protocols/canopen/identifiers.h"
@@ -83,6 +89,9 @@ class CanopenNode final : private SdoObjects, private LssNode {
   /// A new error (code other than 0) or none any more.
   void report_error(SimTime now, std::uint16_t code, std::uint8_t error_register);
 
+  [[nodiscard]] Pace& pace() { return pace_; }
+  [[nodiscard]] Refusal& refusal() { return refusal_; }
+
   [[nodiscard]] protocols::canopen::NodeState state() const { return state_; }
   [[nodiscard]] bool powered() const { return powered_; }
   /// In force; protocols::canopen::kNoNodeId: none.
@@ -114,6 +123,7 @@ class CanopenNode final : private SdoObjects, private LssNode {
   [[nodiscard]] bool takes_bit_rate(std::uint32_t bit_rate_bps) const override {
     return bit_rate_bps == settings_.bit_rate_bps;
   }
+  [[nodiscard]] bool refuses(SimTime now) const override { return refusal_.holds(now); }
   void keep_silent(SimTime now, Duration span) override { silent_until_ = now + span; }
   void reset_communication(SimTime now) override;
 
@@ -149,6 +159,8 @@ class CanopenNode final : private SdoObjects, private LssNode {
   CanopenProfile& profile_;
   NonvolatileMemory& memory_;
   FrameOutput& output_;
+  Pace pace_;
+  Refusal refusal_;
   SdoServer server_;
   LssSlave lss_;
   std::string eds_;

@@ -124,6 +124,12 @@ Answer LssSlave::scan(std::span<const std::uint8_t> payload, const LssNode& node
 
 Answer LssSlave::configure(SimTime now, LssCommand command, std::span<const std::uint8_t> payload,
                            LssNode& node) {
+  const bool sets = command == LssCommand::configure_node_id ||
+                    command == LssCommand::configure_bit_timing ||
+                    command == LssCommand::store_configuration;
+  if (sets && node.refuses(now)) {
+    return make(command, canopen::kLssRefused);
+  }
   switch (command) {
     case LssCommand::configure_node_id: {
       const std::uint8_t wanted = payload[1];

@@ -29,6 +29,8 @@ class LssNode {
   /// False when it cannot be written.
   [[nodiscard]] virtual bool store_node_id(std::uint8_t node_id) = 0;
   [[nodiscard]] virtual bool takes_bit_rate(std::uint32_t bit_rate_bps) const = 0;
+  /// Whether nothing of it can be set at present.
+  [[nodiscard]] virtual bool refuses(SimTime now) const = 0;
   /// Sends nothing for so long from `now` on, while the bus changes its rate.
   virtual void keep_silent(SimTime now, Duration span) = 0;
   /// The pending node-ID comes into force.

@@ -112,6 +112,7 @@ class DbcNode final : public CanDevice, public dbc_node_details::Face<Backend> {
   /// What goes wrong with its messages, and its supply.
   [[nodiscard]] DbcTraffic& faults() { return traffic_; }
   [[nodiscard]] Supply& supply() { return traffic_.supply(); }
+  [[nodiscard]] Pace& pace() { return traffic_.pace(); }
   [[nodiscard]] const DbcTraffic& traffic() const { return traffic_; }
 
  private:

@@ -214,9 +214,10 @@ void DbcTraffic::advance(SimTime now) {
     }
     for (std::size_t m = 0; m < sent_.size(); ++m) {
       SentState& state = sent_[m];
-      const bool cycle = state.next_cycle <= instant;
+      bool cycle = state.next_cycle <= instant;
       if (cycle) {
         state.next_cycle += settings_.sent[m].period;
+        cycle = pace_.has_time(instant, static_cast<std::uint32_t>(m));
       }
       if (cycle || state.next_extra <= instant) {
         send(instant, m);

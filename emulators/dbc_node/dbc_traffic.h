@@ -23,6 +23,7 @@
 
 #include "emulators/dbc_node/settings.h"
 #include "emulators/device.h"
+#include "emulators/firmware_fault.h"
 #include "emulators/j1939/j1939_node.h"
 
 namespace rigwire::emulators {
@@ -54,6 +55,7 @@ class DbcTraffic final : J1939Application {
   /// As FaultBook::end().
   bool end(DbcNodeFaults::Id id, SimTime now) { return faults_.end(id, now); }
   [[nodiscard]] Supply& supply() { return supply_; }
+  [[nodiscard]] Pace& pace() { return pace_; }
 
  private:
   struct SentState {
@@ -104,6 +106,7 @@ class DbcTraffic final : J1939Application {
   FrameOutput& output_;
   DbcNodeFaults faults_;
   Supply supply_;
+  Pace pace_;
   std::optional<J1939Node> node_;
   SimTime measured_at_ = kNever;
   std::vector<double> measured_;

@@ -161,7 +161,7 @@ void EngineController::tick(SimTime now) {
   if (node_.held()) {
     for (const Entry& entry : kSchedule) {
       const auto period = static_cast<std::uint64_t>(Duration{entry.group.period} / kTick);
-      if (period != 0 && ticks_ % period == entry.phase) {
+      if (period != 0 && ticks_ % period == entry.phase && pace().has_time(now, entry.group.pgn)) {
         (void)send_group(now, entry.group.pgn);
       }
     }
@@ -217,9 +217,8 @@ J1939Answer EngineController::answer_group(SimTime now, std::uint32_t pgn,
   return send_group(now, pgn) ? J1939Answer::sent : J1939Answer::unknown;
 }
 
-J1939Reception EngineController::take(SimTime now, const J1939Message& message) {
-  return message.identifier.pgn == vehicle::Tsc1::kGroup.pgn ? take_request(now, message)
-                                                             : J1939Reception::ignored;
+J1939Reception EngineController::obey(SimTime now, const J1939Message& message) {
+  return is_command(message.identifier.pgn) ? take_request(now, message) : J1939Reception::ignored;
 }
 
 J1939Reception EngineController::take_request(SimTime now, const J1939Message& message) {
@@ -249,11 +248,11 @@ J1939Reception EngineController::take_request(SimTime now, const J1939Message& m
   }
   troubles_.set(request_lost, false);
   request_ = Request{source, decoded->priority, now + settings_.request_timeout};
-  obey(now, *decoded);
+  govern(now, *decoded);
   return J1939Reception::accepted;
 }
 
-void EngineController::obey(SimTime now, const vehicle::Tsc1& request) {
+void EngineController::govern(SimTime now, const vehicle::Tsc1& request) {
   PowerUnitCommand next;
   const auto mode = static_cast<vehicle::OverrideMode>(request.override_mode);
   const bool torque = std::isfinite(request.torque_share);

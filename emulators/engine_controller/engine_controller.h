@@ -84,9 +84,12 @@ class EngineController final : public J1939Device, public PowerUnitBackend {
 
   J1939Answer answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
   TroubleMemory* troubles() override { return &troubles_; }
-  J1939Reception take(SimTime now, const J1939Message& message) override;
+  J1939Reception obey(SimTime now, const J1939Message& message) override;
+  [[nodiscard]] bool is_command(std::uint32_t pgn) const override {
+    return pgn == protocols::vehicle::Tsc1::kGroup.pgn;
+  }
   J1939Reception take_request(SimTime now, const J1939Message& message);
-  void obey(SimTime now, const protocols::vehicle::Tsc1& request);
+  void govern(SimTime now, const protocols::vehicle::Tsc1& request);
   void end_request();
   void switched(SimTime now) override;
   void tick(SimTime now);

@@ -85,6 +85,15 @@ void IsoValveChannel::lever(SimTime now, double share) {
   lever_share_ = taken;
 }
 
+void IsoValveChannel::refuse(SimTime now) {
+  advance(now);
+  commander_.reset();
+  command_expires_ = kNever;
+  timed_out_ = false;
+  require_neutral();
+  exit_ = ValveExit::error;
+}
+
 void IsoValveChannel::require_neutral() {
   neutral_required_ = true;
   commanded_ = 0.0;

@@ -33,6 +33,9 @@ class IsoValveChannel {
                const protocols::iso11783::ValveCommandMembers& command);
   /// The lever, -1 .. 1; NaN: it says nothing of use, as if it was silent.
   void lever(SimTime now, double share);
+  /// A command that is not obeyed: to neutral, as if nobody had commanded, and the reason is "error
+  /// indication".
+  void refuse(SimTime now);
   /// To neutral, and a command of neutral first.
   void require_neutral();
   void note(protocols::iso11783::ValveExit reason) { exit_ = reason; }

@@ -311,7 +311,31 @@ void IsoValves::update(const ValveSample& sample) {
   follow_fault();
 }
 
-J1939Reception IsoValves::take(SimTime now, const J1939Message& message) {
+std::optional<std::size_t> IsoValves::commanded_section(std::uint32_t pgn) const {
+  if (const auto valve = iso::valve_of<iso::AuxiliaryValveCommand>(pgn)) {
+    const unsigned section = *valve - settings_.first_valve;  // wraps below the first
+    return section < channels_.size() ? std::optional<std::size_t>(section) : std::nullopt;
+  }
+  return pgn == iso::GeneralPurposeValveCommand::kGroup.pgn &&
+                 settings_.general_purpose_section != 0
+             ? std::optional<std::size_t>(settings_.general_purpose_section - 1U)
+             : std::nullopt;
+}
+
+bool IsoValves::is_command(std::uint32_t pgn) const {
+  return commanded_section(pgn) || pgn == vehicle::Bjm1::kGroup.pgn ||
+         pgn == vehicle::Ejm1::kGroup.pgn || pgn == vehicle::Bjm2::kGroup.pgn ||
+         pgn == vehicle::Ejm2::kGroup.pgn;
+}
+
+void IsoValves::refused(SimTime now, const J1939Message& message) {
+  if (const auto section = commanded_section(message.identifier.pgn)) {
+    channels_[*section].refuse(now);
+    drive(now);
+  }
+}
+
+J1939Reception IsoValves::obey(SimTime now, const J1939Message& message) {
   const Frame frame = j1939::make_frame(message.identifier, message.payload);
   const std::uint32_t pgn = message.identifier.pgn;
   if (const auto valve = iso::valve_of<iso::AuxiliaryValveCommand>(pgn)) {
@@ -319,16 +343,13 @@ J1939Reception IsoValves::take(SimTime now, const J1939Message& message) {
     if (!command.ok()) {
       return J1939Reception::malformed;
     }
-    const unsigned section = *valve - settings_.first_valve;  // wraps below the first
-    return section < channels_.size()
-               ? take_command(now, section, message.identifier.source, *command)
-               : J1939Reception::ignored;
+    const auto section = commanded_section(pgn);
+    return section ? take_command(now, *section, message.identifier.source, *command)
+                   : J1939Reception::ignored;
   }
-  if (pgn == iso::GeneralPurposeValveCommand::kGroup.pgn &&
-      settings_.general_purpose_section != 0) {
+  if (const auto section = commanded_section(pgn)) {
     const auto command = vehicle::decode<iso::GeneralPurposeValveCommand>(frame);
-    return command.ok() ? take_command(now, settings_.general_purpose_section - 1U,
-                                       message.identifier.source, *command)
+    return command.ok() ? take_command(now, *section, message.identifier.source, *command)
                         : J1939Reception::malformed;
   }
   switch (pgn) {
@@ -414,11 +435,14 @@ void IsoValves::drive(SimTime now) {
 void IsoValves::tick(SimTime now) {
   if (node_.held()) {
     const std::size_t slot = ticks_ % kSlots;
-    if (slot < channels_.size()) {
+    const bool reports = slot < channels_.size() ||
+                         (slot == kValveSections && settings_.general_purpose_section != 0);
+    const bool in_time = reports && pace().has_time(now, static_cast<std::uint32_t>(slot));
+    if (in_time && slot < channels_.size()) {
       send_estimate(now, slot);
       send_measurement(now, slot);
       send_position(now, slot);
-    } else if (slot == kValveSections && settings_.general_purpose_section != 0) {
+    } else if (in_time) {
       send_general_purpose(now);
     } else if (slot == kSlots - 1) {
       // In the last slot of a second where nothing changes.

@@ -8,7 +8,9 @@
 // three messages go out every 100 ms, section k's 10 ms after section k - 1's. A fault takes all
 // outputs to neutral; a command of neutral to the faulty valve (any valve, where the fault is the
 // whole block's) resets it, and every valve must be commanded neutral before it moves again. Its
-// trouble codes are told and cleared as trouble_memory.h says.
+// trouble codes are told and cleared as trouble_memory.h says. A block that refuses takes a valve
+// to neutral whenever that is commanded, says "error indication" for the reason, and wants a
+// command of neutral afterwards; levers are as if they were not there.
 #pragma once
 
 #include <array>
@@ -111,7 +113,11 @@ class IsoValves final : public J1939Device, public ValveBackend {
   J1939Answer answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
   TroubleMemory* troubles() override { return &troubles_; }
   [[nodiscard]] bool is_stopped() const override { return amplifier_.fault() != ValveFault::none; }
-  J1939Reception take(SimTime now, const J1939Message& message) override;
+  J1939Reception obey(SimTime now, const J1939Message& message) override;
+  [[nodiscard]] bool is_command(std::uint32_t pgn) const override;
+  void refused(SimTime now, const J1939Message& message) override;
+  /// The section that a command of group `pgn` is for; nothing: it is none of this block's.
+  [[nodiscard]] std::optional<std::size_t> commanded_section(std::uint32_t pgn) const;
   J1939Reception take_command(SimTime now, std::size_t section, std::uint8_t source,
                               const protocols::iso11783::ValveCommandMembers& command);
   template <class Basic, class Extended>

@@ -40,7 +40,24 @@ void J1939Device::receive(SimTime now, const protocols::can::Frame& frame) {
   }
 }
 
+J1939Reception J1939Device::take(SimTime now, const J1939Message& message) {
+  const protocols::j1939::Identifier& identifier = message.identifier;
+  if (!refusal_.holds(now) || !is_command(identifier.pgn)) {
+    return obey(now, message);
+  }
+  refused(now, message);
+  if (identifier.destination != protocols::j1939::kGlobalAddress) {
+    node_.acknowledge(now, protocols::j1939::Acknowledge::negative, identifier.source,
+                      identifier.pgn);
+  }
+  return J1939Reception::ignored;
+}
+
 J1939Answer J1939Device::answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) {
+  if (refusal_.holds(now) && troubles() != nullptr &&
+      (pgn == vehicle::kDm3Pgn || pgn == vehicle::kDm11Pgn)) {
+    return J1939Answer::unknown;
+  }
   if (TroubleMemory* const memory = troubles()) {
     if (const auto answered = memory->answer(node_, now, pgn, destination, is_stopped())) {
       return *answered;

@@ -3,6 +3,10 @@
 // says who it is when it is asked, by software, component, ECU and vehicle identification, on an
 // ISO 11783 bus by its functionalities; its trouble codes are asked for and cleared
 // (trouble_memory.h). Answers longer than a frame go by transport, to the one who asked.
+//
+// A device that refuses answers commands, and requests that clear trouble codes, with a negative
+// acknowledgement where they were to itself alone (J1939-21, 5.4.4), and stays at its address
+// whatever a commanded address says. One that is slow sends a share of its scheduled groups.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +17,7 @@
 #include <vector>
 
 #include "emulators/device.h"
+#include "emulators/firmware_fault.h"
 #include "emulators/j1939/identity.h"
 #include "emulators/j1939/j1939_node.h"
 #include "emulators/j1939/trouble_memory.h"
@@ -33,7 +38,8 @@ class J1939Device : public CanDevice, J1939Application {
   /// As a commanded address (J1939-81) would send it there. Why it does not move; empty: it does.
   [[nodiscard]] std::string_view command_address(SimTime now, std::uint8_t address) {
     advance(now);
-    return node_.command_address(now, address);
+    return refusal_.holds(now) ? "it refuses whatever would change it"
+                               : node_.command_address(now, address);
   }
 
   [[nodiscard]] std::uint8_t address() const { return node_.address(); }
@@ -41,6 +47,8 @@ class J1939Device : public CanDevice, J1939Application {
   [[nodiscard]] std::uint64_t name() const { return node_.name(); }
   [[nodiscard]] std::uint64_t address_conflicts() const { return node_.address_conflicts(); }
   [[nodiscard]] Supply& supply() { return supply_; }
+  [[nodiscard]] Pace& pace() { return pace_; }
+  [[nodiscard]] Refusal& refusal() { return refusal_; }
 
  protected:
   /// What a request for identification is answered with. Without functionalities that group is not
@@ -67,6 +75,12 @@ class J1939Device : public CanDevice, J1939Application {
 
   /// A request for a group that is none of the above (J1939Application::answer).
   virtual J1939Answer answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) = 0;
+  /// A message to this node or to everybody (J1939Application::take).
+  virtual J1939Reception obey(SimTime now, const J1939Message& message) = 0;
+  /// Whether group `pgn` is a command that it understands.
+  [[nodiscard]] virtual bool is_command(std::uint32_t pgn) const = 0;
+  /// One of these was refused.
+  virtual void refused(SimTime /*now*/, const J1939Message& /*message*/) {}
   /// Its trouble codes; nullptr: it tells none.
   virtual TroubleMemory* troubles() { return nullptr; }
   /// Whether they light the red lamp.
@@ -76,9 +90,15 @@ class J1939Device : public CanDevice, J1939Application {
 
  private:
   J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) final;
+  J1939Reception take(SimTime now, const J1939Message& message) final;
+  [[nodiscard]] bool takes_commanded_address(SimTime now) const final {
+    return !refusal_.holds(now);
+  }
   J1939Answer answer_identification(SimTime now, std::uint32_t pgn, std::uint8_t destination);
 
   Supply supply_;
+  Pace pace_;
+  Refusal refusal_;
   bool supply_lost_ = false;
   std::optional<Identity> identity_;
 };

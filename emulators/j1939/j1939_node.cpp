@@ -194,7 +194,8 @@ void J1939Node::transported(SimTime now, const J1939Message& message) {
 
 void J1939Node::receive_commanded_address(SimTime now, std::span<const std::uint8_t> payload) {
   const auto command = j1939::decode_commanded_address(payload);
-  if (settings_.takes_commanded_address && command.ok() && command->name == name()) {
+  if (settings_.takes_commanded_address && application_.takes_commanded_address(now) &&
+      command.ok() && command->name == name()) {
     (void)command_address(now, command->address);
   }
 }

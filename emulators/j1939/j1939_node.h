@@ -52,6 +52,8 @@ class J1939Application {
   /// A message to this node or to everybody, other than those the node itself understands. Called
   /// only while the address is held. The result is counted for messages of one frame.
   virtual J1939Reception take(SimTime now, const J1939Message& message) = 0;
+  /// Whether it moves where a commanded address sends it.
+  [[nodiscard]] virtual bool takes_commanded_address(SimTime /*now*/) const { return true; }
 };
 
 class J1939Node final : J1939TransportSink {

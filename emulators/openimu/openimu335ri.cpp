@@ -244,7 +244,7 @@ void OpenImu::update(const ImuSample& sample) {
   }
   const unsigned period = 2U * configuration_.rate_divider;
   if (address_.held() && period != 0 && ticks_ % period == 0) {
-    send_packets(sample.time, configuration_.packet_mask);
+    send_packets(sample.time, packets_due(sample.time));
   }
   ++ticks_;
 }
@@ -374,6 +374,16 @@ void OpenImu::send_slopes(SimTime now, std::uint16_t mask) {
   }
 }
 
+std::uint16_t OpenImu::packets_due(SimTime now) {
+  unsigned mask = configuration_.packet_mask;
+  for (unsigned bit = 0; bit < 16; ++bit) {
+    if ((mask >> bit & 1U) != 0 && !pace_.has_time(now, bit)) {
+      mask &= ~(1U << bit);
+    }
+  }
+  return static_cast<std::uint16_t>(mask);
+}
+
 void OpenImu::send_packets(SimTime now, std::uint16_t mask) {
   if ((configuration_.behaviour & openimu::Behaviour::kRunAlgorithm) != 0) {
     send_slopes(now, mask);
@@ -452,7 +462,7 @@ void OpenImu::receive(SimTime now, const Frame& frame) {
   } else if (identifier->pgn == j1939::kRequestPgn) {
     receive_request(now, frame);
   } else if (is_bank(identifier->pgn)) {
-    receive_bank(identifier->pgn, frame.payload());
+    receive_bank(now, identifier->pgn, frame.payload());
   } else if (openimu::setting_kind(identifier->pgn, configuration_.commands)) {
     receive_setting(now, frame);
   } else if (!is_300() && identifier->pgn == openimu::kClearTroublePgn) {
@@ -614,11 +624,13 @@ void OpenImu::clear_trouble(SimTime now, std::uint8_t requester) {
     ++received_.ignored;
     return;
   }
-  ++received_.accepted;
-  troubles_ = 0;
+  const bool refused = refusal_.holds(now);
+  ++(refused ? received_.ignored : received_.accepted);
+  troubles_ = refused ? troubles_ : std::uint8_t{0};
   // Aceinna's order is the standard's, with group function 0, sent to everybody.
-  const j1939::Acknowledgement done{j1939::Acknowledge::positive, 0, requester,
-                                    openimu::kClearTroublePgn};
+  const j1939::Acknowledgement done{
+      refused ? j1939::Acknowledge::negative : j1939::Acknowledge::positive, 0, requester,
+      openimu::kClearTroublePgn};
   send(now, j1939::make_acknowledgement(address_.address(), j1939::kGlobalAddress, done));
 }
 
@@ -635,7 +647,7 @@ void OpenImu::receive_setting(SimTime now, const Frame& frame) {
   ++(taken ? received_.accepted : received_.ignored);
 }
 
-void OpenImu::receive_bank(std::uint32_t pgn, std::span<const std::uint8_t> payload) {
+void OpenImu::receive_bank(SimTime now, std::uint32_t pgn, std::span<const std::uint8_t> payload) {
   constexpr std::size_t kBankBytes = 8;
   if (payload.size() != kBankBytes) {
     ++received_.malformed;
@@ -643,7 +655,8 @@ void OpenImu::receive_bank(std::uint32_t pgn, std::span<const std::uint8_t> payl
   }
   const bool meant = address_.held() && payload[0] == address_.address();
   const bool taken =
-      meant && openimu::apply_bank(configuration_.commands, pgn, payload.subspan(1), is_300());
+      meant && !refusal_.holds(now) &&
+      openimu::apply_bank(configuration_.commands, pgn, payload.subspan(1), is_300());
   ++(taken ? received_.accepted : received_.ignored);
 }
 
@@ -691,6 +704,13 @@ std::span<const LiveSetting<OpenImu, OpenImuSettings>> OpenImu::live_settings() 
 }
 
 bool OpenImu::apply(SimTime now, const openimu::Setting& setting, std::uint8_t requester) {
+  if (refusal_.holds(now)) {
+    if (setting.kind == Command::reset_algorithm || setting.kind == Command::save_configuration) {
+      send(now, openimu::make_outcome(setting.kind, address_.address(), requester, false,
+                                      configuration_.commands));
+    }
+    return false;
+  }
   switch (setting.kind) {
     case Command::reset_algorithm:
     case Command::save_configuration:

@@ -11,7 +11,9 @@
 // from the next tick on. Requests (PGN 59904) and settings (FF50..FF5E, FFF0..) are answered
 // `processing_delay` after the frame that brought them. What "save" has written, and an address won
 // in contention, outlives the supply and a restart. Foreign and malformed frames are counted and
-// change nothing.
+// change nothing. A unit that refuses does with every setting what the firmware does with one that
+// it does not take: it says that "save" and "reset" have failed, and nothing of the others. One
+// that is slow sends a share of each packet.
 #pragma once
 
 #include <array>
@@ -23,6 +25,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
+#include "emulators/firmware_fault.h"
 #include "emulators/inertial/filter.h"
 #include "emulators/j1939/j1939_address.h"
 #include "emulators/live_setting.h"
@@ -69,6 +72,8 @@ class OpenImu final : public CanDevice, public ImuBackend {
   /// Vehicle messages that would aid the 335RI's algorithm; they are taken and change nothing.
   [[nodiscard]] std::uint64_t aiding_messages() const { return aiding_messages_; }
   [[nodiscard]] Supply& supply() { return supply_; }
+  [[nodiscard]] Pace& pace() { return pace_; }
+  [[nodiscard]] Refusal& refusal() { return refusal_; }
   /// Its parameter groups.
   [[nodiscard]] static std::span<const LiveSetting<OpenImu, OpenImuSettings>> live_settings();
 
@@ -98,6 +103,8 @@ class OpenImu final : public CanDevice, public ImuBackend {
   void rebuild_filters();
   void sense(const ImuSample& sample);
   void send(SimTime now, const protocols::can::Frame& frame);
+  /// Those of the configured packets that it has time for.
+  [[nodiscard]] std::uint16_t packets_due(SimTime now);
   void send_packets(SimTime now, std::uint16_t mask);
   void send_slopes(SimTime now, std::uint16_t mask);
   void send_acceleration(SimTime now);
@@ -120,7 +127,7 @@ class OpenImu final : public CanDevice, public ImuBackend {
   void apply_behaviour(const protocols::openimu::Setting& setting);
   void receive_request(SimTime now, const protocols::can::Frame& frame);
   void receive_setting(SimTime now, const protocols::can::Frame& frame);
-  void receive_bank(std::uint32_t pgn, std::span<const std::uint8_t> payload);
+  void receive_bank(SimTime now, std::uint32_t pgn, std::span<const std::uint8_t> payload);
   void clear_trouble(SimTime now, std::uint8_t requester);
 
   OpenImuSettings settings_;
@@ -133,6 +140,8 @@ class OpenImu final : public CanDevice, public ImuBackend {
   std::optional<std::uint8_t> new_address_;  ///< Asked for by a client; "save" writes it down.
   bool memory_damaged_ = false;
   Supply supply_;
+  Pace pace_;
+  Refusal refusal_;
   SimTime restart_ = kNever;  ///< Asked for by a client.
   J1939Address address_;
   LowPass rate_filter_;

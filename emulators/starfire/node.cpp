@@ -99,7 +99,7 @@ void StarFireNode::send_group(SimTime now, std::uint32_t pgn) {
   (void)answer_group(now, pgn, j1939::kGlobalAddress);
 }
 
-J1939Reception StarFireNode::take(SimTime /*now*/, const J1939Message& /*message*/) {
+J1939Reception StarFireNode::obey(SimTime /*now*/, const J1939Message& /*message*/) {
   return J1939Reception::ignored;
 }
 

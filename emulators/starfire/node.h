@@ -38,7 +38,8 @@ class StarFireNode final : public J1939Device, public GnssBackend {
 
   /// Sends one group of the last report.
   J1939Answer answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
-  J1939Reception take(SimTime now, const J1939Message& message) override;
+  J1939Reception obey(SimTime now, const J1939Message& message) override;
+  [[nodiscard]] bool is_command(std::uint32_t /*pgn*/) const override { return false; }
   void send_group(SimTime now, std::uint32_t pgn);
   void switched(SimTime now) override;
 

@@ -260,7 +260,8 @@ bool VehicleGateway::send_group(SimTime now, std::uint32_t pgn) {
 
 void VehicleGateway::send_due(SimTime now, std::span<const VehicleReport::Entry> schedule) {
   for (const VehicleReport::Entry& entry : schedule) {
-    if (VehicleReport::is_due(entry, ticks_) && report_.sends(entry)) {
+    if (VehicleReport::is_due(entry, ticks_) && report_.sends(entry) &&
+        pace().has_time(now, entry.group.pgn)) {
       send_group(now, entry.group.pgn);
     }
   }
@@ -304,7 +305,21 @@ J1939Answer VehicleGateway::answer_group(SimTime now, std::uint32_t pgn, std::ui
   }
 }
 
-J1939Reception VehicleGateway::take(SimTime now, const J1939Message& message) {
+bool VehicleGateway::is_command(std::uint32_t pgn) const {
+  constexpr std::array kCommands{vehicle::Tsc1::kGroup.pgn,
+                                 vehicle::Tc1::kGroup.pgn,
+                                 vehicle::Xbr::kGroup.pgn,
+                                 vehicle::GuidanceCommand::kGroup.pgn,
+                                 vehicle::MachineSelectedSpeedCommand::kGroup.pgn,
+                                 vehicle::Tprs::kGroup.pgn,
+                                 vehicle::MachineFunctionCommand::kGroup.pgn,
+                                 vehicle::HitchPowerTakeOffCommand::kGroup.pgn,
+                                 vehicle::MaintainPower::kGroup.pgn,
+                                 vehicle::LanguageCommand::kGroup.pgn};
+  return std::ranges::find(kCommands, pgn) != kCommands.end();
+}
+
+J1939Reception VehicleGateway::obey(SimTime now, const J1939Message& message) {
   switch (message.identifier.pgn) {
     case vehicle::Tsc1::kGroup.pgn:
       return take_engine_request(now, message);

@@ -85,7 +85,8 @@ class VehicleGateway final : public J1939Device, public VehicleBackend {
   J1939Answer answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
   TroubleMemory* troubles() override { return &control_.troubles(); }
   [[nodiscard]] bool is_stopped() const override { return control_.stopping(); }
-  J1939Reception take(SimTime now, const J1939Message& message) override;
+  J1939Reception obey(SimTime now, const J1939Message& message) override;
+  [[nodiscard]] bool is_command(std::uint32_t pgn) const override;
 
   /// False when the group is none that is sent in frames.
   bool send_group(SimTime now, std::uint32_t pgn);

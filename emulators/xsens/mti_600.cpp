@@ -184,7 +184,8 @@ void Mti600::update(const ImuSample& sample) {
   }
   for (const MtiOutput& output : settings_.outputs) {
     if (output.divider != 0 && ticks_ % output.divider == 0 &&
-        (!failed_ || is_housekeeping(output.id))) {
+        (!failed_ || is_housekeeping(output.id)) &&
+        pace_.has_time(sample.time, static_cast<std::uint32_t>(output.id))) {
       send(sample, output);
     }
   }

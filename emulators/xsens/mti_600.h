@@ -10,7 +10,9 @@
 //
 // A sample outside the elements' range is clamped and marked in the status word. A sample that is
 // not finite is a failed self-test: the status word says so, and no measured values are sent. The
-// unit is configured over its serial line, which is not there; it hears nothing on the bus.
+// unit is configured over its serial line, which is not there; it hears nothing on the bus, and so
+// cannot refuse anything. One that is slow sends a share of each message; increments are then over
+// the longer time.
 #pragma once
 
 #include <array>
@@ -21,6 +23,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
+#include "emulators/firmware_fault.h"
 #include "emulators/inertial/orientation.h"
 #include "emulators/supply.h"
 #include "fields/rules.h"
@@ -106,6 +109,7 @@ class Mti600 final : public CanDevice, public ImuBackend {
     overflowed_ = overflowed_ || report.transmit_overflow;
   }
   [[nodiscard]] Supply& supply() { return supply_; }
+  [[nodiscard]] Pace& pace() { return pace_; }
   [[nodiscard]] const Quaternion& attitude() const { return filter_.attitude(); }
 
  private:
@@ -116,6 +120,7 @@ class Mti600 final : public CanDevice, public ImuBackend {
   const Calendar& calendar_;
   FrameOutput& output_;
   Supply supply_;
+  Pace pace_;
   OrientationFilter filter_;
   SimTime ready_at_ = kNever;
   std::uint64_t ticks_ = 0;

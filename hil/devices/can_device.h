@@ -206,6 +206,7 @@ class CanDeviceOf : public Device {
         station_(on_own_clock_, samples_) {
     bus_.attach(node_, on_own_clock_);
     offer_faults(settings);
+    offer_program_faults(at.faults);
     offer(make_fault_port(at.faults.frames, acted_by<emulators::FrameFault>(frames_)));
     if constexpr (requires { at.faults.samples; }) {
       if (at.faults.of_samples) {
@@ -231,6 +232,24 @@ class CanDeviceOf : public Device {
       offer(make_fault_port(settings.supply.faults,
                             acted_on_own_clock<emulators::SupplyFault>(emulator_.supply())));
     }
+  }
+
+  /// The emulator has none of these when it is made; here it is given them.
+  void offer_program_faults(const AnyNodeFaults& faults) {
+    if constexpr (requires { emulator_.pace(); }) {
+      offer_begun(faults.pace, emulator_.pace());
+    }
+    if constexpr (requires { emulator_.refusal(); }) {
+      offer_begun(faults.refusal, emulator_.refusal());
+    }
+  }
+  template <class Fault, class Actor>
+  void offer_begun(const std::vector<Fault>& faults, Actor& actor) {
+    auto acts = acted_on_own_clock<Fault>(actor);
+    for (const Fault& fault : faults) {
+      acts.begin(fault);
+    }
+    offer(make_fault_port(faults, std::move(acts)));
   }
 
   template <class Fault, class Actor>

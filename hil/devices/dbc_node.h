@@ -93,7 +93,9 @@ struct DbcNodeConfiguration final : DeviceConfigurationOf<DbcNodeConfiguration> 
                AttachedToPowerUnit, AttachedToVehicle>
       attached;
   emulators::SupplySettings supply;
-  std::vector<NodeFault<NoSample, emulators::DbcNodeFault, emulators::SupplyFault>> faults;
+  std::vector<
+      NodeFault<NoSample, emulators::DbcNodeFault, emulators::SupplyFault, emulators::PaceFault>>
+      faults;
 
   void visit(fields::Visitor& v) override;
   void validate() const override;

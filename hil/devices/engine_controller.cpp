@@ -36,7 +36,9 @@ emulators::EngineControllerSettings settings_on(emulators::EngineControllerSetti
 struct EngineControllerConfiguration final : DeviceConfigurationOf<EngineControllerConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::vector<NodeFault<PowerUnitSample, emulators::SupplyFault>> faults;
+  std::vector<NodeFault<PowerUnitSample, emulators::SupplyFault, emulators::PaceFault,
+                        emulators::RefusalFault>>
+      faults;
   emulators::EngineControllerSettings engine;
 
   void visit(fields::Visitor& v) override {

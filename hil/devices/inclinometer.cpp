@@ -28,7 +28,9 @@ using InclinometerDevice = CanDeviceOf<emulators::Inclinometer, emulators::ImuBa
 struct InclinometerConfiguration final : DeviceConfigurationOf<InclinometerConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::vector<NodeFault<ImuSample, emulators::SupplyFault>> faults;
+  std::vector<
+      NodeFault<ImuSample, emulators::SupplyFault, emulators::PaceFault, emulators::RefusalFault>>
+      faults;
   MountConfiguration mount;
   emulators::InclinometerSettings inclinometer;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.

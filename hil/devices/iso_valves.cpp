@@ -36,7 +36,9 @@ class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, emulators
 struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::vector<NodeFault<ValveSample, emulators::SupplyFault, emulators::ValveDefect>> faults;
+  std::vector<NodeFault<ValveSample, emulators::SupplyFault, emulators::PaceFault,
+                        emulators::RefusalFault, emulators::ValveDefect>>
+      faults;
   emulators::IsoValveSettings valves;
 
   void visit(fields::Visitor& v) override {

@@ -1,5 +1,5 @@
-// What goes wrong with a node of a CAN bus, whatever it is: its frames, what it measures, and what
-// its type has besides.
+// What goes wrong with a node of a CAN bus, whatever it is: its frames, its program, what it
+// measures, and what its type has besides.
 #pragma once
 
 #include <string>
@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "emulators/firmware_fault.h"
 #include "emulators/frame_fault.h"
 #include "emulators/sample_fault.h"
 #include "hil/configuration/fault_window.h"
@@ -28,14 +29,17 @@ struct NodeFaultOf<Sample, Own...> {
 template <class Sample, class... Own>
 using NodeFault = typename NodeFaultOf<Sample, Own...>::Type;
 
-/// Those of its frames and of what it measures.
-template <class Sample>
-struct NodeFaults {
+/// Those of its frames and of its program.
+struct AnyNodeFaults {
   std::vector<emulators::FrameFault> frames;
+  std::vector<emulators::PaceFault> pace;        ///< Of an emulator with pace(),
+  std::vector<emulators::RefusalFault> refusal;  ///< of one with refusal().
 };
+/// And of what it measures.
+template <class Sample>
+struct NodeFaults : AnyNodeFaults {};
 template <emulators::HasQuantities Sample>
-struct NodeFaults<Sample> {
-  std::vector<emulators::FrameFault> frames;
+struct NodeFaults<Sample> : AnyNodeFaults {
   std::vector<emulators::SampleFault<Sample>> samples;
   bool of_samples = true;  ///< Whether there can be such.
 };
@@ -57,6 +61,8 @@ template <class Sample, class Mixed>
 [[nodiscard]] NodeFaults<Sample> node_faults(const std::vector<Mixed>& list) {
   NodeFaults<Sample> faults;
   faults.frames = those_of<emulators::FrameFault>(list);
+  faults.pace = those_of<emulators::PaceFault>(list);
+  faults.refusal = those_of<emulators::RefusalFault>(list);
   if constexpr (requires { faults.samples; }) {
     using Measured = emulators::SampleFault<Sample>;
     faults.samples = those_of<Measured>(list);

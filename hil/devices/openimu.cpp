@@ -29,7 +29,9 @@ using OpenImuDevice = CanDeviceOf<emulators::OpenImu, emulators::ImuBackend>;
 struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::vector<NodeFault<ImuSample, emulators::SupplyFault>> faults;
+  std::vector<
+      NodeFault<ImuSample, emulators::SupplyFault, emulators::PaceFault, emulators::RefusalFault>>
+      faults;
   MountConfiguration mount;
   emulators::OpenImuSettings imu;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.

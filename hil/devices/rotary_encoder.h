@@ -17,7 +17,9 @@ namespace rigwire::hil {
 struct EncoderConfiguration final : DeviceConfigurationOf<EncoderConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::vector<NodeFault<EncoderSample, emulators::SupplyFault>> faults;
+  std::vector<NodeFault<EncoderSample, emulators::SupplyFault, emulators::PaceFault,
+                        emulators::RefusalFault>>
+      faults;
   JointConfiguration joint;
   emulators::RotaryEncoderSettings encoder;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.

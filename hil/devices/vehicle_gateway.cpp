@@ -70,7 +70,9 @@ class VehicleGatewayDevice final
 struct VehicleGatewayConfiguration final : DeviceConfigurationOf<VehicleGatewayConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::vector<NodeFault<VehicleSample, emulators::SupplyFault>> faults;
+  std::vector<NodeFault<VehicleSample, emulators::SupplyFault, emulators::PaceFault,
+                        emulators::RefusalFault>>
+      faults;
   std::string position_from;  ///< Name of the satellite receiver wired to it; empty: none.
   emulators::VehicleGatewaySettings gateway;
   sim::VehicleSensorParameters sensor;

@@ -27,7 +27,7 @@ using XsensMtiDevice = CanDeviceOf<emulators::Mti600, emulators::ImuBackend>;
 struct XsensMtiConfiguration final : DeviceConfigurationOf<XsensMtiConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::vector<NodeFault<ImuSample, emulators::SupplyFault>> faults;
+  std::vector<NodeFault<ImuSample, emulators::SupplyFault, emulators::PaceFault>> faults;
   MountConfiguration mount;
   emulators::MtiSettings mti;
   sim::ImuParameters sensor;

@@ -48,6 +48,7 @@ using LssIdentity = std::array<std::uint32_t, kLssIdentityNumbers>;
 /// First byte of an answer to a configuration service.
 inline constexpr std::uint8_t kLssDone = 0;
 inline constexpr std::uint8_t kLssOutOfRange = 1;  ///< Node-ID; bit timing that is not supported.
+inline constexpr std::uint8_t kLssRefused = 255;   ///< Implementation specific; the next byte 0.
 inline constexpr std::uint8_t kLssNotStored = 2;   ///< The storage cannot be written.
 
 /// BitCheck of a fastscan that every unconfigured node answers, and that begins anew.

@@ -344,9 +344,12 @@ void declare(CLI::App& app, Parsed& parsed) {
   log_level(check_app);
   check_app->footer("\nExample:\n  rigwire check excavator_pit --set devices.gnss.rate=5 --print");
 
-  CLI::App* list_app = app.add_subcommand("list", "List devices, machines, scenes, rigs or faults");
-  list_app->add_option("kind", parsed.word, "devices, machines, scenes, rigs or faults")
+  CLI::App* list_app =
+      app.add_subcommand("list", "List devices, machines, scenes, rigs, faults or a rig's keys");
+  list_app->add_option("kind", parsed.word, "devices, machines, scenes, rigs, faults or keys")
       ->required();
+  list_app->add_option("rig", parsed.rig.rig, "Whose keys: name or file");
+  list_app->add_option("begin", parsed.from, "With what they begin: devices.gnss.");
   list_app->add_flag("--json", parsed.json, "As JSON");
 
   CLI::App* describe_app = app.add_subcommand("describe", "Messages, rates, units, ranges, keys");
@@ -771,6 +774,12 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
                  : refuse_log_level(parsed.log_level, terminal, "check");
   }
   if (app.got_subcommand("list")) {
+    if (parsed.word == "keys" && !parsed.rig.rig.empty()) {
+      return list_keys_verb(parsed.rig.rig, parsed.from, parsed.json, terminal);
+    }
+    if (parsed.word == "keys" || !parsed.rig.rig.empty()) {
+      return usage("list: allowed keys RIG [BEGIN], or another kind alone", terminal.err, "list");
+    }
     return list_verb(parsed.word, parsed.json, terminal);
   }
   if (app.got_subcommand("describe")) {

@@ -7,6 +7,16 @@ namespace rigwire::hil {
 namespace {
 
 constexpr const char* kBash = R"sh(# rigwire completion for bash:  source <(rigwire completion bash)
+_rigwire_keys() {  # of the rig that the words name, those that begin with $1
+  local rig
+  for rig in "${COMP_WORDS[@]:2}"; do
+    case $rig in -*|"$1") continue ;; esac
+    if [ -f "$rig" ] || rigwire list rigs 2>/dev/null | grep -q "^$rig "; then
+      rigwire list keys "$rig" "$1" 2>/dev/null | cut -d' ' -f1
+      return
+    fi
+  done
+}
 _rigwire() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]}
   COMPREPLY=()
@@ -22,6 +32,7 @@ _rigwire() {
     --layer) COMPREPLY=($(compgen -W "image right disparity range confidence depth labels" -- "$word")); return ;;
     -o|--output|--profile|--expect|--junit|--html|--beside)
       COMPREPLY=($(compgen -f -- "$word")); return ;;
+    --set) COMPREPLY=($(compgen -W "$(_rigwire_keys "$word")" -- "$word")); return ;;
     --report|--json|--truth|--lidar-truth|--camera-truth)
       if [ "$verb" = run ] || [ "$verb" = bench ] || [ "$verb" = conform ]; then
         COMPREPLY=($(compgen -f -- "$word")); return
@@ -31,7 +42,7 @@ _rigwire() {
     run) local options="--clock --patience --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help" ;;
     picture) local options="--device --at --layer --raw --travel --set --output --help" ;;
     check) local options="--set --log-level --print --json --help" ;;
-    list) local options="devices machines scenes rigs faults --json --help" ;;
+    list) local options="devices machines scenes rigs faults keys --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
     conform) local options="modbus-tcp modbus-rtu --list --profile --make-profile --addresses --writes --robustness --allow-remote --expect --json --junit --html --beside --captures --help" ;;
@@ -56,6 +67,16 @@ complete -o nospace -F _rigwire rigwire 2>/dev/null
 
 constexpr const char* kZsh = R"sh(#compdef rigwire
 # rigwire completion for zsh:  rigwire completion zsh > ~/.zfunc/_rigwire
+_rigwire_keys() {  # of the rig that the words name, those that begin with $1
+  local rig
+  for rig in $words[3,-1]; do
+    [[ $rig == -* || $rig == "$1" ]] && continue
+    if [[ -f $rig ]] || rigwire list rigs 2>/dev/null | grep -q "^$rig "; then
+      rigwire list keys "$rig" "$1" 2>/dev/null | cut -d' ' -f1
+      return
+    fi
+  done
+}
 _rigwire() {
   local -a verbs
   verbs=(run picture check list describe schema doctor bench conform ctl record replay completion)
@@ -65,6 +86,7 @@ _rigwire() {
   fi
   case $words[CURRENT-1] in
     --clock) compadd -- real free step drained scaled:; return ;;
+    --set) compadd -S '' -- ${(f)"$(_rigwire_keys "$PREFIX")"}; return ;;
     --overrun) compadd -- slip warn stop; return ;;
     --status) compadd -- live plain none; return ;;
     --log-level) compadd -- debug info warning error; return ;;
@@ -77,7 +99,7 @@ _rigwire() {
     run) compadd -- --clock --patience --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help ;;
     picture) compadd -- --device --at --layer --raw --travel --set --output --help ;;
     check) compadd -- --set --log-level --print --json --help ;;
-    list) compadd -- devices machines scenes rigs faults --json --help ;;
+    list) compadd -- devices machines scenes rigs faults keys --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
     conform) compadd -- modbus-tcp modbus-rtu --list --profile --make-profile --addresses --writes --robustness --allow-remote --expect --json --junit --html --beside --captures --help ;;
@@ -99,13 +121,23 @@ if [ "$funcstack[1]" = "_rigwire" ]; then _rigwire "$@"; else compdef _rigwire r
 )sh";
 
 constexpr const char* kFish = R"sh(# rigwire completion for fish:  rigwire completion fish | source
+function __rigwire_keys  # of the rig that the words name, those that begin with the last one
+  set -l begin (commandline -ct)
+  for rig in (commandline -opc)[3..-1]
+    string match -q -- '-*' $rig; and continue
+    if test -f $rig; or rigwire list rigs 2>/dev/null | string match -qr "^$rig "
+      rigwire list keys $rig $begin 2>/dev/null | string replace -r ' .*' ''
+      return
+    end
+  end
+end
 complete -c rigwire -f
 complete -c rigwire -n __fish_use_subcommand -a "run picture check list describe schema doctor bench conform ctl record replay completion"
 complete -c rigwire -n __fish_use_subcommand -l help -d "Help"
 complete -c rigwire -n __fish_use_subcommand -l version -d "Version"
 complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -a "(rigwire list rigs | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -k -a "(__fish_complete_suffix .yaml)"
-complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -l set -x -d "key.path=value"
+complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -l set -x -d "key.path=value" -a "(__rigwire_keys)"
 complete -c rigwire -n "__fish_seen_subcommand_from picture" -l device -x
 complete -c rigwire -n "__fish_seen_subcommand_from picture" -l at -x
 complete -c rigwire -n "__fish_seen_subcommand_from picture" -l layer -x -a "image right disparity range confidence depth labels"
@@ -140,7 +172,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from run" -l ready-fd -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l dry-run
 complete -c rigwire -n "__fish_seen_subcommand_from check" -l print
 complete -c rigwire -n "__fish_seen_subcommand_from check list describe doctor record replay" -l json
-complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines scenes rigs faults"
+complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines scenes rigs faults keys"
 complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list devices | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -l json -r -F

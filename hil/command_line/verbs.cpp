@@ -20,6 +20,7 @@
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/doctor.h"
 #include "hil/command_line/text_table.h"
+#include "hil/configuration/outline.h"
 #include "hil/configuration/suggest.h"
 #include "hil/control/control_client.h"
 #include "hil/control/verification.h"
@@ -209,7 +210,7 @@ std::vector<std::pair<std::string, std::vector<fields::Named>>> faults_by_target
 }  // namespace
 
 int list_verb(const std::string& kind, bool json, Terminal terminal) {
-  const std::vector<std::string> kinds{"devices", "machines", "scenes", "rigs", "faults"};
+  const std::vector<std::string> kinds{"devices", "machines", "scenes", "rigs", "faults", "keys"};
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
     return refuse_word("kind", kind, kinds, terminal);
   }
@@ -231,6 +232,34 @@ int list_verb(const std::string& kind, bool json, Terminal terminal) {
     for (const ConfigFile& file : config_files(kind)) {
       rows.push_back({file.name, file.text, file.path});
       list.push_back({{"name", file.name}, {"text", file.text}, {"path", file.path}});
+    }
+  }
+  terminal.out << (json ? list.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
+                        : table_text(rows));
+  return code(ExitCode::done);
+}
+
+int list_keys_verb(const std::string& rig, const std::string& begin, bool json, Terminal terminal) {
+  const OutlineNode tree = outline(load_rig(find_rig(rig), {}).configuration);
+  // Down to the section that the last dot closes.
+  const std::size_t dot = begin.rfind('.');
+  const std::string path = dot == std::string::npos ? "" : begin.substr(0, dot + 1);
+  const OutlineNode* section = &tree;
+  for (std::size_t at = 0; section != nullptr && at < path.size(); at = path.find('.', at) + 1) {
+    const auto child = std::ranges::find(
+        section->children, path.substr(at, path.find('.', at) - at), &OutlineNode::key);
+    section = child == section->children.end() ? nullptr : &*child;
+  }
+  std::vector<std::vector<std::string>> rows;
+  Json list = Json::array();
+  for (const OutlineNode& node :
+       section != nullptr ? section->children : std::vector<OutlineNode>{}) {
+    const bool deeper =
+        node.kind == OutlineNode::Kind::section || node.kind == OutlineNode::Kind::named;
+    const std::string key = path + node.key + (deeper ? "." : "=");
+    if (key.starts_with(begin) && !(deeper && node.children.empty())) {
+      rows.push_back({key, node.value, node.text});
+      list.push_back({{"key", key}, {"value", node.value}, {"text", node.text}});
     }
   }
   terminal.out << (json ? list.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"

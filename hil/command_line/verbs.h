@@ -32,6 +32,10 @@ struct Terminal {
 [[nodiscard]] int check_verb(const RigArguments& rig, LogLevel log_level, bool print, bool json,
                              Terminal terminal);
 [[nodiscard]] int list_verb(const std::string& kind, bool json, Terminal terminal);
+/// The keys that `--set` takes of a rig, of one level, whose paths begin with `begin`: a key with
+/// "=", its value and what it means; a section with ".".
+[[nodiscard]] int list_keys_verb(const std::string& rig, const std::string& begin, bool json,
+                                 Terminal terminal);
 [[nodiscard]] int describe_verb(const std::string& device, bool json, Terminal terminal);
 /// The registers of a valve map's file (hil/files/valve_map_file.h), as the device pages print
 /// them.

@@ -396,11 +396,39 @@ TEST(CommandLine, doctor_tells_state_and_fix) {
   }
 }
 
+/// Each key that is listed can be set to the value that is listed, and each section has keys.
+TEST(CommandLine, keys_of_a_rig_are_those_that_set_takes) {
+  const auto keys = [](const std::string& begin) {
+    return nlohmann::json::parse(rigwire("list keys excavator_pit '" + begin + "' --json").output);
+  };
+  std::string sets;
+  std::size_t count = 0;
+  for (const auto& row : keys("devices.gnss.")) {
+    const std::string key = row["key"];
+    EXPECT_TRUE(key.starts_with("devices.gnss.")) << row;
+    if (key.ends_with('.')) {
+      EXPECT_FALSE(keys(key).empty()) << key;
+    } else if (row["value"] != "") {
+      sets += " --set '" + key + std::string(row["value"]) + "'";
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 5U);
+  const Result same = rigwire("check excavator_pit" + sets);
+  EXPECT_EQ(same.code, 0) << same.output;
+  EXPECT_EQ(same.output.substr(same.output.find("config")),
+            rigwire("check excavator_pit").output.substr(same.output.find("config")));
+  EXPECT_TRUE(keys("devices.nobody.").empty());
+  EXPECT_EQ(rigwire("list keys").code, 2);
+  EXPECT_EQ(rigwire("list devices excavator_pit").code, 2);
+}
+
 TEST(CommandLine, completion_scripts_are_printed) {
   for (const char* shell : {"bash", "zsh", "fish"}) {
     const Result result = rigwire(std::string("completion ") + shell);
     EXPECT_EQ(result.code, 0);
     EXPECT_THAT(result.output, HasSubstr("list rigs"));
+    EXPECT_THAT(result.output, HasSubstr("list keys"));
   }
   EXPECT_EQ(rigwire("completion tcsh").code, 2);
 }
@@ -411,7 +439,13 @@ TEST(CommandLine, bash_completion_completes_verbs_options_and_rigs) {
       ":$PATH; source <(rigwire completion bash); "
       "COMP_WORDS=(rigwire ch); COMP_CWORD=1; _rigwire; echo ${COMPREPLY[@]}; "
       "COMP_WORDS=(rigwire run exc); COMP_CWORD=2; _rigwire; echo ${COMPREPLY[@]}; "
-      "COMP_WORDS=(rigwire describe velodyne-h); COMP_CWORD=2; _rigwire; echo ${COMPREPLY[@]}'";
+      "COMP_WORDS=(rigwire describe velodyne-h); COMP_CWORD=2; _rigwire; echo ${COMPREPLY[@]}; "
+      "COMP_WORDS=(rigwire run --clock free excavator_pit --set devices.gnss.ra); COMP_CWORD=6; "
+      "_rigwire; echo ${COMPREPLY[@]}; "
+      "COMP_WORDS=(rigwire check excavator_pit --set devices.gn); COMP_CWORD=4; "
+      "_rigwire; echo ${COMPREPLY[@]}; "
+      "COMP_WORDS=(rigwire check --set devices.gn); COMP_CWORD=3; _rigwire; "
+      "echo none: ${COMPREPLY[@]}'";
   FILE* pipe = ::popen(("timeout 60 " + script).c_str(), "r");
   ASSERT_NE(pipe, nullptr);
   std::array<char, 4096> buffer{};
@@ -424,7 +458,8 @@ TEST(CommandLine, bash_completion_completes_verbs_options_and_rigs) {
             "check\nexcavator_can excavator_own_can excavator_pit excavator_tracks excavator_usb "
             "excavator_vision\nvelodyne-hdl-32e "
             "velodyne-hdl-64e "
-            "velodyne-hdl-64e-s3\n");
+            "velodyne-hdl-64e-s3\n"
+            "devices.gnss.rate=\ndevices.gnss.\nnone:\n");
 }
 
 }  // namespace

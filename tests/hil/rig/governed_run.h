@@ -16,7 +16,9 @@
 #include <vector>
 
 #include "hil/control/desk.h"
+#include "hil/record/recorder.h"
 #include "hil/rig/rig.h"
+#include "wire_clients.h"
 
 namespace rigwire::hil::test {
 
@@ -48,10 +50,23 @@ class OneAtATime {
   int file_;
 };
 
+/// With `clients` they are alone on its wires.
 inline Ran run(const RigConfiguration& configuration, const std::vector<Request>& requests,
-               Duration length) {
+               Duration length, WireClients* clients = nullptr) {
   boost::asio::io_context io;
-  Rig rig(configuration, io, {});
+  OutputFailures failures([](const std::string& what) { ADD_FAILURE() << what; });
+  RunEvents events;
+  std::optional<Recorder> recorder;
+  if (clients != nullptr) {
+    recorder.emplace(RecordedRun{}, std::chrono::minutes{10}, failures, events);
+    recorder->on_outlet(
+        [clients](const std::string& wire, QueuedOutlet& outlet) { clients->join(wire, outlet); });
+  }
+  Rig rig(configuration, io, {}, nullptr, {}, recorder ? &*recorder : nullptr);
+  if (clients != nullptr) {
+    clients->begin();
+    rig.executive().add(*clients);
+  }
   GovernedRun governed{configuration.name,
                        configuration.seed,
                        "",

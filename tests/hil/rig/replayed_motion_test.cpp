@@ -2,20 +2,26 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "governed_run.h"
 #include "hil/record/recorder.h"
 #include "hil/record/recording.h"
 #include "hil/record/recording_export.h"
 #include "hil/rig/rig.h"
 #include "private_wires.h"
+#include "protocols/bytes.h"
+#include "protocols/canopen/identifiers.h"
+#include "protocols/canopen/sdo.h"
 #include "protocols/pcapng/link_packet.h"
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/points.h"
@@ -192,9 +198,10 @@ class ReplayedMotion : public testing::Test {
                 spread.count);
   }
 
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
 };
 
+constexpr unsigned kEncoderNode = 0x20;
 constexpr const char* kPit = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_pit.yaml";
 const Openings kDig{{"swing", 0.4}, {"boom", 0.5}, {"stick", -0.6}, {"bucket", 0.5}};
 
@@ -228,6 +235,70 @@ TEST_F(ReplayedMotion, OfAnExcavatorGivesItsDevicesOutputAgain) {
   const Json valves = messages("a", TruthTrack::motion).back()["valves"];
   EXPECT_EQ(valves, messages("b", TruthTrack::motion).back()["valves"]);
   EXPECT_EQ(messages("a", TruthTrack::joints).back()["joints"][0]["name"], "upper");
+}
+
+/// A poll of the receiver, a read of the valves and one of the encoder, while the machine moves as
+/// it did once: each is answered, and with what is so then.
+TEST_F(ReplayedMotion, ItsDevicesAnswerTheirClients) {
+  constexpr Duration kLength = 2500ms;
+  run("a", kPit, kLength, wires_.sets(), kDig);
+  auto sets = wires_.sets();
+  sets.push_back("machine.motion.file=" + (folder("a") / "truth.mcap").string());
+  const RigConfiguration configuration = load_rig(kPit, sets).configuration;
+
+  test::WireClients clients;
+  const SimTime ask = kStart + 1500ms;
+  clients.say("gnss", kStart + 1s, drivers::LineClient{true, 115200});
+  const std::array<std::uint8_t, 8> poll{0xB5, 0x62, 0x0A, 0x04, 0, 0, 0x0E, 0x34};  // MON-VER
+  clients.say("gnss", ask, SerialPiece{}, {poll.begin(), poll.end()});
+  clients.say("valves", kStart + 1s, StreamPiece{{}, 1, StreamPiece::What::opened, {}}, {});
+  // Input registers 0 .. 9 of unit 1.
+  clients.say("valves", ask, StreamPiece{{}, 1, StreamPiece::What::bytes, {}},
+              {0, 7, 0, 0, 0, 6, 1, 4, 0, 0, 0, 10});
+  clients.say("can", kStart + 1s, drivers::CanClient{.open = true});
+  clients.say("can", ask,
+              protocols::canopen::make_frame(0x600 + kEncoderNode,
+                                             protocols::canopen::make_upload({0x6004, 0})));
+  test::run(configuration, {}, kLength, &clients);
+
+  const auto answers = [&](const std::string& wire, const auto& is_one) {
+    std::vector<test::WireClients::Unit> found;
+    for (const auto& unit : clients.heard(wire)) {
+      if (unit.at >= ask && is_one(unit)) {
+        found.push_back(unit);
+      }
+    }
+    return found;
+  };
+  std::vector<std::uint8_t> line;
+  for (const auto& unit : clients.heard("gnss")) {
+    line.insert(line.end(), unit.bytes.begin(), unit.bytes.end());
+  }
+  const std::array<std::uint8_t, 4> version{0xB5, 0x62, 0x0A, 0x04};
+  EXPECT_FALSE(std::ranges::search(line, version).empty()) << "MON-VER is not answered";
+
+  const auto registers = answers("valves", [](const auto& unit) { return !unit.bytes.empty(); });
+  ASSERT_EQ(registers.size(), 1U);
+  ASSERT_EQ(registers[0].bytes.size(), 9U + 20U);
+  EXPECT_EQ(registers[0].bytes[1], 7) << "the request's transaction";
+  EXPECT_EQ(registers[0].bytes[7], 4);
+
+  const auto position = answers("can", [](const auto& unit) {
+    return !unit.frame.extended && unit.frame.id == 0x580U + kEncoderNode;
+  });
+  ASSERT_EQ(position.size(), 1U);
+  EXPECT_EQ(position[0].frame.data[0], 0x43);
+  // The swing of the recording at that instant, in steps of 14 bits.
+  const auto steps = protocols::load_little<std::uint32_t>(position[0].frame.data, 4);
+  double swing_rad = 0.0;
+  for (const Json& message : messages("a", TruthTrack::joints)) {
+    if (message["at"].get<double>() <= to_seconds(ask - kStart)) {
+      swing_rad = message["joints"][0]["position"].get<double>();
+    }
+  }
+  ASSERT_GT(std::abs(swing_rad), 0.02) << "it has not swung";
+  const double read_rad = steps / 16384.0 * 2.0 * std::numbers::pi;
+  EXPECT_LT(std::abs(std::remainder(read_rad - swing_rad, 2.0 * std::numbers::pi)), 5e-3);
 }
 
 /// Wheels, steering and drive train are not the links alone.

@@ -517,11 +517,17 @@ void Rig::number_surroundings() {
   const SurroundingsConfiguration& around = configuration_.surroundings;
   add(kSurroundingsTargets[0], around.air.faults);
   // What follows a recorded motion has ports and no such parts.
-  if (auto* const parts =
-          dynamic_cast<sim::PowerUnitDefectPort*>(world_.machine().power_unit_port())) {
+  const MachineModel& model = *configuration_.machine.model;
+  sim::Machine& machine = world_.machine();
+  auto* const parts = model.has_power_unit()
+                          ? dynamic_cast<sim::PowerUnitDefectPort*>(machine.power_unit_port())
+                          : dynamic_cast<sim::PowerUnitDefectPort*>(machine.vehicle_port());
+  if (parts != nullptr && model.has_engine()) {
     world_.add(make_world_power_unit_faults(station, *parts, around));
     add(kSurroundingsTargets[1], around.engine.faults);
-    add(kSurroundingsTargets[2], around.pumps.faults);
+    if (model.has_power_unit()) {
+      add(kSurroundingsTargets[2], around.pumps.faults);
+    }
   }
 }
 

@@ -99,17 +99,19 @@ class Checker {
 
   /// What fails, the machine has.
   void check_parts() {
-    const bool has = rig_.machine.model->has_power_unit() && rig_.machine.motion.file.empty();
-    const auto check = [&](std::string_view key, const auto& faults) {
-      if (!has && !faults.empty()) {
-        check_.report(fmt::format("{}.{}.faults.0.type", kSurroundings, key),
-                      "the machine has no engine that drives pumps",
+    const MachineModel& model = *rig_.machine.model;
+    const bool moves = rig_.machine.motion.file.empty();
+    const auto check = [&](std::string_view key, const auto& faults, bool has, const char* what) {
+      if (!(has && moves) && !faults.empty()) {
+        check_.report(fmt::format("{}.{}.faults.0.type", kSurroundings, key), what,
                       std::string(fields::chosen_name(faults.front().what)),
                       "with a machine that has, and that moves by itself");
       }
     };
-    check("engine", rig_.surroundings.engine.faults);
-    check("pumps", rig_.surroundings.pumps.faults);
+    check("engine", rig_.surroundings.engine.faults, model.has_engine(),
+          "the machine has no engine by which it moves");
+    check("pumps", rig_.surroundings.pumps.faults, model.has_power_unit(),
+          "the machine has no engine that drives pumps");
   }
 
   /// Every file of triangles can be read, and is of a size that rays meet in the scene.

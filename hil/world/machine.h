@@ -46,6 +46,8 @@ class MachineModel {
   [[nodiscard]] virtual bool drives() const = 0;
   /// Whether an engine drives pumps there.
   [[nodiscard]] virtual bool has_power_unit() const = 0;
+  /// Whether it has an engine whose torque moves it, or its pumps.
+  [[nodiscard]] virtual bool has_engine() const = 0;
   /// Whether it digs, so that the terrain must be kept in a form that can change.
   [[nodiscard]] virtual bool changes_ground() const = 0;
   /// Along world -z, for the inertial units.

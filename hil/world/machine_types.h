@@ -37,6 +37,7 @@ struct ExcavatorMachine final : MachineModelOf<ExcavatorMachine> {
   [[nodiscard]] bool has_power_unit() const override {
     return excavator.pumps == sim::ExcavatorPumps::engine;
   }
+  [[nodiscard]] bool has_engine() const override { return has_power_unit(); }
   [[nodiscard]] bool changes_ground() const override { return digs; }
   [[nodiscard]] double gravity_mps2() const override { return excavator.gravity_mps2; }
   [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
@@ -59,6 +60,7 @@ struct WheeledMachine final : DrivingMachineOf<WheeledMachine> {
   sim::DrivelineParameters driveline;
 
   void visit(fields::Visitor& v) override;
+  [[nodiscard]] bool has_engine() const override { return true; }
   [[nodiscard]] std::span<const std::string_view> links() const override;
   [[nodiscard]] double gravity_mps2() const override { return wheeled.gravity_mps2; }
   [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
@@ -68,6 +70,10 @@ struct RollerMachine final : DrivingMachineOf<RollerMachine> {
   sim::RollerParameters roller;
 
   void visit(fields::Visitor& v) override;
+  /// The kinematic level moves as it is told.
+  [[nodiscard]] bool has_engine() const override {
+    return roller.level == sim::RollerLevel::dynamic;
+  }
   [[nodiscard]] std::span<const std::string_view> links() const override;
   [[nodiscard]] double gravity_mps2() const override { return roller.gravity_mps2; }
   [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;

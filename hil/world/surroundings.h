@@ -12,7 +12,7 @@
 #include "fields/visitor.h"
 #include "hil/executive/station.h"
 #include "hil/world/world_sensor.h"
-#include "sim/excavator/power_unit_fault.h"
+#include "sim/engine/power_unit_fault.h"
 #include "sim/weather/air_fault.h"
 
 namespace rigwire::hil {
@@ -29,12 +29,12 @@ void visit(fields::Visitor& v, FaultsAlone<Fault>& p) {
 
 struct SurroundingsConfiguration {
   FaultsAlone<sim::AirFault> air;
-  FaultsAlone<sim::EngineFault> engine;  ///< That drives the machine's pumps.
+  FaultsAlone<sim::EngineFault> engine;  ///< The machine's.
   FaultsAlone<sim::PumpFault> pumps;
 };
 inline void visit(fields::Visitor& v, SurroundingsConfiguration& p) {
   v.section("air", p.air, "What comes into the air.");
-  v.section("engine", p.engine, "The engine that drives the machine's pumps.");
+  v.section("engine", p.engine, "The machine's engine.");
   v.section("pumps", p.pumps, "The machine's pumps.");
 }
 

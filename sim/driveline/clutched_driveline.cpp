@@ -19,6 +19,7 @@ ClutchedDriveline::ClutchedDriveline(const EngineParameters& engine, const Clutc
       shares_(shares_of(axles.drive)),
       share_matrix_(shares_ * shares_.transpose()),
       engine_(engine, clutch),
+      reference_torque_nm_(sim::engine_data(engine).reference_torque_nm),
       locks_(axles) {
   make_equations();
 }
@@ -66,9 +67,19 @@ void ClutchedDriveline::begin(double h, double wheel_inertia_kgm2, WheelVector& 
 
   output_radps_ = output_radps(rates);
   advance(h, output_radps_, transmission_);
+  limit(transmission_.demand);
   engine_.begin(h, transmission_.demand, transmission_.capacity_share, transmission_.ratio != 0.0,
                 transmission_.ratio * output_radps_);
   make_equations();
+}
+
+void ClutchedDriveline::limit(EngineDemand& demand) const {
+  demand.fuel = demand.fuel && defects_.fuel;
+  if (defects_.torque_share < 1.0) {
+    demand.limit_share =
+        std::min(demand.limit_share, limit_share(engine_.engine(), reference_torque_nm_,
+                                                 defects_.torque_share, engine_.speed_radps()));
+  }
 }
 
 void ClutchedDriveline::make_equations() {

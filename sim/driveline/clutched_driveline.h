@@ -26,6 +26,7 @@ struct DrivelineEnergy {
 class ClutchedDriveline : public Driveline {
  public:
   void command(const VehicleCommand& command) final;
+  void fail(const PowerUnitDefects& defects) final { defects_ = defects; }
   void begin(double h, double wheel_inertia_kgm2, WheelVector& rates) final;
   [[nodiscard]] const SpinEquations& equations() const final { return equations_; }
   bool accept(double h, const WheelVector& rates) final;
@@ -67,6 +68,8 @@ class ClutchedDriveline : public Driveline {
   [[nodiscard]] double axle_ratio() const { return axles_.ratio(); }
 
  private:
+  /// Cuts what is asked of the engine to what it can give.
+  void limit(EngineDemand& demand) const;
   void make_equations();
   [[nodiscard]] double output_radps(const WheelVector& rates) const {
     return axles_.ratio() * shares_.dot(rates);
@@ -76,6 +79,8 @@ class ClutchedDriveline : public Driveline {
   WheelVector shares_;
   WheelMatrix share_matrix_;  ///< s s^T
   ClutchedEngine engine_;
+  double reference_torque_nm_;  ///< In the cylinders.
+  PowerUnitDefects defects_;
   DifferentialLocks locks_;
   VehicleCommand command_;
   Transmission transmission_;

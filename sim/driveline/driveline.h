@@ -15,6 +15,7 @@
 #include <memory>
 
 #include "sim/driveline/parameters.h"
+#include "sim/engine/power_unit_fault.h"
 #include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::sim {
@@ -59,6 +60,9 @@ class Driveline {
   /// Takes engine control, gear, group and locks; a request that cannot be met now (a lock while
   /// its wheels differ too much, a group change while rolling) waits, and shows as requested.
   virtual void command(const VehicleCommand& command) = 0;
+
+  /// What is wrong with its engine, until the next.
+  virtual void fail(const PowerUnitDefects& defects) = 0;
 
   /// Begins a step: lags, shift sequence, lock engagement. May change `rates` where coupling parts
   /// merge their speeds; then the angular momentum of what is coupled is kept.

@@ -66,6 +66,13 @@ EngineData engine_data(const EngineParameters& parameters) {
   return data;
 }
 
+double limit_share(const Engine& engine, double reference_nm, double torque_share,
+                   double speed_radps) {
+  const double full_load_nm = engine.full_load_nm(speed_radps);
+  const double limit_nm = torque_share * reference_nm - engine.friction_nm(speed_radps);
+  return full_load_nm > 0.0 ? std::clamp(limit_nm / full_load_nm, 0.0, 1.0) : 1.0;
+}
+
 void Engine::advance(double h, double speed_radps, const EngineDemand& demand) {
   if (demand.control == EngineControl::speed) {
     const bool taken_over = demand_.control != EngineControl::speed;

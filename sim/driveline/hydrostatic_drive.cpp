@@ -89,7 +89,7 @@ void HydrostaticDrive::begin(double h) {
   set_point_mps_ = after;
 
   // Droop: the governed speed falls by droop x load share; then the engine's lag.
-  const double governor = demand_.ignition ? governor_radps() : 0.0;
+  const double governor = runs() ? governor_radps() : 0.0;
   const double load = std::clamp(pump_torque_nm() / p.engine_torque_nm, -1.0, 1.0) * p.engine_droop;
   engine_speed_radps_ =
       lag(engine_speed_radps_, governor * (1.0 - load), h, p.engine_time_constant_s);
@@ -103,8 +103,9 @@ void HydrostaticDrive::begin(double h) {
   const double full = p.pump_displacement_m3prad * swash_ * pressure;
   limited_swash_ = swash_;
   double slope = 0.0;
-  if (full > p.engine_torque_nm) {
-    limited_swash_ = swash_ * p.engine_torque_nm / full;
+  const double limit_nm = torque_limit_nm();
+  if (full > limit_nm) {
+    limited_swash_ = swash_ * limit_nm / full;
     slope = engine_speed_radps_ * p.pump_displacement_m3prad * limited_swash_ / pressure;
   }
   pump_flow_m3ps_ = engine_speed_radps_ * p.pump_displacement_m3prad * limited_swash_;
@@ -124,6 +125,15 @@ void HydrostaticDrive::begin(double h) {
       circuit.law = {};
     }
   }
+}
+
+double HydrostaticDrive::torque_limit_nm() const {
+  const HydrostaticDriveParameters& p = parameters_;
+  // A share of what the cylinders give at most, less what the engine takes itself.
+  return defects_.torque_share < 1.0
+             ? std::max(0.0, defects_.torque_share * (p.engine_torque_nm + p.engine_drag_nm) -
+                                 p.engine_drag_nm)
+             : p.engine_torque_nm;
 }
 
 double HydrostaticDrive::governor_radps() const {
@@ -192,7 +202,7 @@ EngineSample HydrostaticDrive::engine_sample() const {
   sample.torque_nm = pump_torque_nm();
   sample.friction_nm = engine_speed_radps_ > 0.0 ? parameters_.engine_drag_nm : 0.0;
   sample.full_load_nm = parameters_.engine_torque_nm;
-  sample.desired_radps = demand_.ignition ? governor_radps() : 0.0;
+  sample.desired_radps = runs() ? governor_radps() : 0.0;
   return sample;
 }
 

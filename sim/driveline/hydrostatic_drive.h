@@ -13,7 +13,8 @@
 // wind-up. Pump: the set point ramps, the swash plate follows it with a lag, exactly (the step does
 // not change where they are after a given time). Engine: governed speed falls in proportion to the
 // pump's torque, with a lag; where the engine has no more torque the pump swivels back along the
-// hyperbola of constant torque.
+// hyperbola of constant torque. A derated engine has less of it; one without fuel comes to rest as
+// after ignition off.
 //
 // Estimates, but for the shape of the equations. There is no charge circuit: the low side always
 // has the charge pressure.
@@ -24,6 +25,7 @@
 
 #include "fields/rules.h"
 #include "sim/contact/bristle.h"
+#include "sim/engine/power_unit_fault.h"
 #include "sim/samples/engine_sample.h"
 
 namespace rigwire::sim {
@@ -80,6 +82,9 @@ class HydrostaticDrive {
 
   void command(const HydrostaticDemand& demand) { demand_ = demand; }
 
+  /// What is wrong with its engine, until the next.
+  void fail(const PowerUnitDefects& defects) { defects_ = defects; }
+
   /// Moves set point, swash plate and engine on by h > 0 and makes the circuits of this step.
   void begin(double h);
   /// Circuits of this step: one, or two with the flow divider closed.
@@ -113,6 +118,9 @@ class HydrostaticDrive {
  private:
   [[nodiscard]] double pump_torque_nm() const;
   [[nodiscard]] double governor_radps() const;
+  [[nodiscard]] bool runs() const { return demand_.ignition && defects_.fuel; }
+  /// The most that the pump may take of the engine.
+  [[nodiscard]] double torque_limit_nm() const;
   [[nodiscard]] double asked_swash() const;
   /// Opens or closes the flow divider.
   void connect();
@@ -120,6 +128,7 @@ class HydrostaticDrive {
   HydrostaticDriveParameters parameters_;
   double radius_m_;
   HydrostaticDemand demand_;
+  PowerUnitDefects defects_;
   double set_point_mps_ = 0.0;
   double mean_set_point_mps_ = 0.0;
   double swash_ = 0.0;  ///< -1 .. 1, before the torque limit.

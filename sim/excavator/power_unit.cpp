@@ -92,8 +92,7 @@ double PowerUnit::limit_share() const {
     return 0.0;
   }
   const double share = std::min(command_.torque_limit_share, defects_.torque_share);
-  const double limit_nm = share * reference_torque_nm_ - engine_.friction_nm(speed_radps_);
-  return full_load_nm_ > 0.0 ? std::clamp(limit_nm / full_load_nm_, 0.0, 1.0) : 1.0;
+  return sim::limit_share(engine_, reference_torque_nm_, share, speed_radps_);
 }
 
 void PowerUnit::limit() {

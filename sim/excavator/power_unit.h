@@ -23,7 +23,7 @@
 #include "fields/rules.h"
 #include "sim/driveline/engine.h"
 #include "sim/engine/engine_condition.h"
-#include "sim/excavator/power_unit_fault.h"
+#include "sim/engine/power_unit_fault.h"
 #include "sim/hydraulics/parameters.h"
 #include "sim/samples/power_unit_sample.h"
 

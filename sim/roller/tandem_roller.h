@@ -44,7 +44,7 @@
 
 namespace rigwire::sim {
 
-class TandemRoller final : public Machine, public VehiclePort {
+class TandemRoller final : public Machine, public VehiclePort, public PowerUnitDefectPort {
  public:
   /// Stands on `ground` with the frame's origin above (x, y), its x turned by `yaw_rad` from east;
   /// parking brake on. `ground` must outlive the machine. Throws std::invalid_argument as validate
@@ -74,6 +74,7 @@ class TandemRoller final : public Machine, public VehiclePort {
 
   void command(const VehicleCommand& command) override;
   [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const override;
+  void fail(const PowerUnitDefects& defects) override { drive_.fail(defects); }
   [[nodiscard]] EngineData engine_data() const override { return drive_.engine_data(); }
 
   /// Sets the motion of the frame in its own plane, for tests: forward and left at the origin,

@@ -74,7 +74,7 @@ struct VehiclePlace {
   double yaw_rad = 0.0;  ///< From world x (east), left positive.
 };
 
-class WheeledVehicle : public Machine, public VehiclePort {
+class WheeledVehicle : public Machine, public VehiclePort, public PowerUnitDefectPort {
  public:
   void step(Duration span) final;
   [[nodiscard]] SimTime time() const final { return time_; }
@@ -101,6 +101,7 @@ class WheeledVehicle : public Machine, public VehiclePort {
   /// the rolling ones of the design position, as a controller has them; odometry is that of B's
   /// origin.
   [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const final;
+  void fail(const PowerUnitDefects& defects) final { driveline_->fail(defects); }
   [[nodiscard]] EngineData engine_data() const final { return driveline_->engine_data(); }
 
   /// Along the body's x, all wheels rolling; for tests and for rigs that begin on the move.

@@ -152,7 +152,7 @@ class RigFaultsTest : public testing::Test {
 TEST_F(RigFaultsTest, AnUnknownPairIsRefusedWithWhatThereIs) {
   const Json nobody = ask(FaultAddCommand{"gns", "{type: jamming}"});
   EXPECT_EQ(nobody["path"], "on");
-  EXPECT_EQ(nobody["allowed"], "gnss, starfire, bus can, air");
+  EXPECT_EQ(nobody["allowed"], "gnss, starfire, bus can, air, machine.engine");
   const Json kind = ask(FaultAddCommand{"starfire", "{type: noise}"});
   EXPECT_EQ(kind["path"], "fault.type");
   EXPECT_THAT(std::string(kind["allowed"]), HasSubstr("jamming"));

@@ -124,12 +124,67 @@ TEST(Surroundings, RainAndSnowFromTheStartAreThoseOfACourse) {
   EXPECT_NE(ran("", ""), both);
 }
 
-TEST(Surroundings, ARunningMachineWithoutThemOffersNone) {
+TEST(Surroundings, ARunningMachineOffersThePartsThatItHas) {
   const OneAtATime alone;
   const RigConfiguration gator = load_rig(file_of("gnss"), {}).configuration;
-  const Ran ran = run(gator, {{FaultAddCommand{"machine.engine", "{type: off}"}, 100ms}}, 200ms);
+  const Ran ran = run(gator, {{FaultAddCommand{"machine.pumps", "{type: weak}"}, 100ms}}, 200ms);
   EXPECT_EQ(ran.answers.at(0)["path"], "on");
-  EXPECT_EQ(ran.answers.at(0)["allowed"], "gnss, starfire, bus can, air");
+  EXPECT_EQ(ran.answers.at(0)["allowed"], "gnss, starfire, bus can, air, machine.engine");
+}
+
+/// Speed of machine and engine at those instants, of a gator that is asked for 4 m/s.
+struct Drive {
+  double speed_mps = 0.0;
+  double engine_radps = 0.0;
+};
+std::vector<Drive> drive(const std::string& faults, std::vector<Duration> instants) {
+  const RigConfiguration configuration =
+      load_rig(file_of("gnss"), {"surroundings.engine.faults=[" + faults + "]"}).configuration;
+  SimulatedWorld world = make_world(configuration);
+  sim::VehiclePort& vehicle = *world.machine().vehicle_port();
+  world.add(make_world_power_unit_faults(0, dynamic_cast<sim::PowerUnitDefectPort&>(vehicle),
+                                         configuration.surroundings));
+  VehicleCommand command;
+  command.parking_brake = false;
+  command.automatic_gear = true;
+  command.travel_speed_mps = 4.0;
+  vehicle.command(command);
+  std::vector<Drive> seen;
+  SampleBatch batch;
+  for (const Duration instant : instants) {
+    do {
+      EXPECT_EQ(world.advance({}, batch), std::nullopt);
+    } while (batch.until < kStart + instant);
+    const VehicleSample sample = vehicle.vehicle_sample(batch.until);
+    seen.push_back({sample.ground_speed_mps, sample.engine.speed_radps});
+  }
+  return seen;
+}
+
+TEST(Surroundings, AVehiclesEngineFailsAndComesBack) {
+  const auto well = drive("", {3s, 10s});
+  EXPECT_NEAR(well[1].speed_mps, 4.0, 0.15);
+  const auto weak = drive("{type: derate, at: 0 s, for: 4 s, share: 25 %}", {3s, 14s});
+  EXPECT_LT(weak[0].speed_mps, 0.8 * well[0].speed_mps);
+  EXPECT_GT(weak[0].speed_mps, 0.05 * well[0].speed_mps);
+  EXPECT_NEAR(weak[1].speed_mps, 4.0, 0.15);
+  const auto none = drive("{type: off, at: 4 s, for: 8 s}", {4s, 12s, 22s});
+  EXPECT_LT(none[1].engine_radps, 0.1 * none[0].engine_radps);
+  EXPECT_LT(none[1].speed_mps, 0.8 * none[0].speed_mps);
+  EXPECT_NEAR(none[2].speed_mps, 4.0, 0.15);
+}
+
+/// A roller that moves as it is told has an engine that moves nothing.
+TEST(Surroundings, AMachineThatNoEngineMovesHasNone) {
+  const std::string roller = RIGWIRE_SOURCE_DIR "/configs/rigs/roller_road.yaml";
+  const std::string fault = "faults=[{on: machine.engine, type: off, at: 1 s}]";
+  EXPECT_NO_THROW(static_cast<void>(load_rig(roller, {fault})));
+  try {
+    static_cast<void>(load_rig(roller, {fault, "machine.level=kinematic"}));
+    ADD_FAILURE() << "it was taken";
+  } catch (const ConfigurationError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no engine by which it moves"));
+  }
 }
 
 }  // namespace

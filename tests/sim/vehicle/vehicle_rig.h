@@ -31,6 +31,7 @@ class BareDriveline final : public Driveline {
  public:
   explicit BareDriveline(SpinEquations* equations) : equations_(equations) {}
   void command(const VehicleCommand&) override {}
+  void fail(const PowerUnitDefects&) override {}
   void begin(double, double, WheelVector&) override {}
   [[nodiscard]] const SpinEquations& equations() const override { return *equations_; }
   bool accept(double, const WheelVector&) override { return true; }

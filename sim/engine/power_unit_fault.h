@@ -5,7 +5,8 @@
 //     - {on: machine.pumps, type: weak, at: 60 s, share: 30 %}
 //
 // They hold from the first step of the physics that does not begin before them. Starting is not
-// modelled: an engine that gets fuel again runs up by itself.
+// modelled: an engine that gets fuel again runs up by itself. A machine whose engine drives wheels
+// or drums has engine faults alone.
 #pragma once
 
 #include <variant>
@@ -60,7 +61,7 @@ inline void visit(fields::Visitor& v, PumpFault& p) {
 struct PowerUnitDefects {
   bool fuel = true;
   double torque_share = 1.0;  ///< Of the reference torque, at most.
-  double flow_share = 1.0;    ///< Of what the pumps deliver at the same speed.
+  double flow_share = 1.0;    ///< Of what the pumps deliver at the same speed; without such 1.
 
   friend bool operator==(const PowerUnitDefects&, const PowerUnitDefects&) = default;
 };
@@ -68,7 +69,7 @@ struct PowerUnitDefects {
 [[nodiscard]] PowerUnitDefects defects_at(SimTime time, const FaultBook<EngineFault>& engine,
                                           const FaultBook<PumpFault>& pumps);
 
-/// A machine whose power unit can fail.
+/// A machine whose engine, and pumps where it drives such, can fail.
 class PowerUnitDefectPort {
  public:
   virtual ~PowerUnitDefectPort() = default;

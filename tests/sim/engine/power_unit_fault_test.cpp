@@ -1,4 +1,4 @@
-#include "sim/excavator/power_unit_fault.h"
+#include "sim/engine/power_unit_fault.h"
 
 #include <gtest/gtest.h>
 

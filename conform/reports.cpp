@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -108,7 +109,7 @@ CaseResult case_of(const nlohmann::json& json) {
         {kind == "sent"       ? Step::Kind::sent
          : kind == "received" ? Step::Kind::received
                               : Step::Kind::note,
-         std::chrono::nanoseconds(static_cast<std::int64_t>(1e6 * step.at("ms").get<double>())),
+         std::chrono::nanoseconds(std::llround(1e6 * step.at("ms").get<double>())),
          bytes_of(step.at("bytes").get<std::string>()), step.at("words").get<std::string>()});
   }
   return result;

@@ -18,9 +18,6 @@ std::pair<Verdict, std::string> hindrance(const ModbusCase& of, const ModbusDevi
   if (of.identity.danger == Danger::writes && !options.writes) {
     return {Verdict::skipped, "it writes; asked for by --writes"};
   }
-  if (of.identity.danger == Danger::moves && !options.moves) {
-    return {Verdict::skipped, "it moves the machine; asked for by --moves"};
-  }
   if (of.identity.id.find("/robustness/") != std::string::npos && !options.robustness) {
     return {Verdict::skipped, "no conformance; asked for by --robustness"};
   }
@@ -88,9 +85,6 @@ SuiteResult run_modbus_suite(ModbusDevice& device, const SuiteOptions& options) 
     const auto [verdict, reason] = hindrance(each, device, options);
     result.cases.push_back(reason.empty() ? run_case(each, device)
                                           : CaseResult{each.identity, verdict, "", reason, {}});
-    if (options.ended) {
-      options.ended(result.cases.back());
-    }
   }
   device.line.reset();
   return result;

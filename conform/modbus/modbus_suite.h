@@ -1,22 +1,12 @@
 // The suites modbus-tcp and modbus-rtu: all cases that fit the line, in the order of the documents.
 #pragma once
 
-#include <functional>
-#include <string>
 #include <vector>
 
 #include "conform/modbus/modbus_trial.h"
+#include "conform/suite_options.h"
 
 namespace rigwire::conform {
-
-struct SuiteOptions {
-  std::vector<std::string> wanted;  ///< Identities or their beginnings; empty: all.
-  bool writes = false;
-  bool moves = false;
-  bool robustness = false;  ///< The chapter of that name, which is no conformance.
-  /// Each case as it ends; may be empty.
-  std::function<void(const CaseResult&)> ended;
-};
 
 [[nodiscard]] std::vector<ModbusCase> modbus_cases();
 

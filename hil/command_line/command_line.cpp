@@ -178,6 +178,7 @@ struct Parsed {
   bool raw = false;
   std::string output;
   ConformRequest conform;
+  std::optional<std::string> listen;
 };
 
 void declare(CLI::App& app, Parsed& parsed) {
@@ -410,9 +411,10 @@ void declare(CLI::App& app, Parsed& parsed) {
   CLI::App* conform_app =
       app.add_subcommand("conform", "Hold a device to its protocol's documents, case by case");
   ConformRequest& conform = parsed.conform;
-  conform_app->add_option("suite", conform.suite, "modbus-tcp or modbus-rtu")->required();
-  conform_app->add_option("endpoint", conform.endpoint,
-                          "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], or rig:RIG#DEVICE of ours");
+  conform_app->add_option("suite", conform.suite, "modbus-tcp, modbus-rtu or nmea")->required();
+  conform_app->add_option(
+      "endpoint", conform.endpoint,
+      "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], or rig:RIG#DEVICE[@BAUD] of ours");
   conform_app->add_option("ids", conform.wanted,
                           "Cases, or the begin of some at a slash: modbus/6.3; all without");
   CLI::Option* listed =
@@ -429,6 +431,8 @@ void declare(CLI::App& app, Parsed& parsed) {
       ->check(CLI::Range(1, 65536))
       ->capture_default_str()
       ->needs(make);
+  conform_app->add_option("--listen", parsed.listen,
+                          "To a device that speaks by itself: 10 s or another time");
   conform_app
       ->add_flag("--writes", conform.writes,
                  "Also cases that change what the profile says may be, and put it back")
@@ -455,7 +459,8 @@ void declare(CLI::App& app, Parsed& parsed) {
       "\nExamples:\n  rigwire conform modbus-tcp rig:excavator_pit#valves \\\n"
       "      --profile configs/profiles/valve_driver.yaml --writes\n"
       "  rigwire conform modbus-tcp tcp:127.0.0.1:502 --make-profile > device.yaml\n"
-      "  rigwire conform modbus-rtu serial:/dev/ttyUSB0@19200 --profile device.yaml modbus/6.3");
+      "  rigwire conform modbus-rtu serial:/dev/ttyUSB0@19200 --profile device.yaml modbus/6.3\n"
+      "  rigwire conform nmea rig:excavator_pit#gnss@115200 --listen 20s");
 
   // Whatever follows is for the other program, --help included.
   CLI::App* bench_app =
@@ -755,6 +760,24 @@ int dispatch_replay(const Parsed& parsed, Terminal terminal) {
   return replay_verb(parsed.recording, piece, std::move(options), terminal);
 }
 
+int dispatch_conform(Parsed& parsed, Terminal terminal) {
+  const std::vector<std::string> suites = conformance_suites();
+  if (std::ranges::find(suites, parsed.conform.suite) == suites.end()) {
+    return refuse_word("suite", parsed.conform.suite, suites, terminal);
+  }
+  if (parsed.listen) {
+    const auto listen = parse_duration(*parsed.listen);
+    constexpr Duration kMost = std::chrono::hours{24};
+    if (!listen || *listen > kMost || parsed.conform.suite != "nmea") {
+      return usage(fmt::format("--listen: found \"{}\", allowed a time up to 24 h, with nmea",
+                               *parsed.listen),
+                   terminal.err, "conform");
+    }
+    parsed.conform.listen = *listen;
+  }
+  return conform(parsed.conform, terminal.out, terminal.err);
+}
+
 int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
   if (app.got_subcommand("picture")) {
     return dispatch_picture(parsed, terminal);
@@ -809,11 +832,7 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     return doctor_verb(parsed.json, terminal);
   }
   if (app.got_subcommand("conform")) {
-    const std::vector<std::string> suites = conformance_suites();
-    if (std::ranges::find(suites, parsed.conform.suite) == suites.end()) {
-      return refuse_word("suite", parsed.conform.suite, suites, terminal);
-    }
-    return conform(parsed.conform, terminal.out, terminal.err);
+    return dispatch_conform(parsed, terminal);
   }
   if (app.got_subcommand("bench")) {
     return bench_verb(app.get_subcommand("bench")->remaining(), terminal);

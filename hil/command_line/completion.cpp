@@ -45,7 +45,7 @@ _rigwire() {
     list) local options="devices machines scenes rigs faults keys --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
-    conform) local options="modbus-tcp modbus-rtu --list --profile --make-profile --addresses --writes --robustness --allow-remote --expect --json --junit --html --beside --captures --help" ;;
+    conform) local options="modbus-tcp modbus-rtu nmea --list --listen --profile --make-profile --addresses --writes --robustness --allow-remote --expect --json --junit --html --beside --captures --help" ;;
     schema) local options="rig machine scene valve-map dbc-node --help" ;;
     record) local options="info cut export --from --to --topic --output --json --help" ;;
     replay) local options="--verify --json --clock --loop --speed --from --to --log-level --help" ;;
@@ -102,7 +102,7 @@ _rigwire() {
     list) compadd -- devices machines scenes rigs faults keys --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
-    conform) compadd -- modbus-tcp modbus-rtu --list --profile --make-profile --addresses --writes --robustness --allow-remote --expect --json --junit --html --beside --captures --help ;;
+    conform) compadd -- modbus-tcp modbus-rtu nmea --list --listen --profile --make-profile --addresses --writes --robustness --allow-remote --expect --json --junit --html --beside --captures --help ;;
     schema) compadd -- rig machine scene valve-map dbc-node ;;
     record) compadd -- info cut export --from --to --topic --output --json --help ;;
     replay) compadd -- --verify --json --clock --loop --speed --from --to --log-level --help ;;
@@ -176,7 +176,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines s
 complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list devices | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -l json -r -F
-complete -c rigwire -n "__fish_seen_subcommand_from conform" -a "modbus-tcp modbus-rtu"
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -a "modbus-tcp modbus-rtu nmea"
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l list
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l make-profile
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l writes
@@ -189,6 +189,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from conform" -l junit -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l html -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l beside -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l addresses -x
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l listen -x
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l captures -x -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from schema" -a "rig machine scene valve-map dbc-node"
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -a "state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop"

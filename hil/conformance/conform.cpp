@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -12,6 +13,7 @@
 #include <stdexcept>
 
 #include "conform/modbus/modbus_suite.h"
+#include "conform/nmea/nmea_suite.h"
 #include "conform/reports.h"
 #include "drivers/endpoints.h"
 #include "fields/visitor.h"
@@ -31,8 +33,35 @@ using conform::Verdict;
 
 namespace {
 
-constexpr std::uint16_t kModbusPort = 502;
-constexpr std::uint32_t kModbusBaud = 19'200;
+/// A suite, and where its devices are when nobody says otherwise.
+struct Suite {
+  std::string_view name;
+  std::uint16_t port;  ///< Of TCP; 0: devices are on serial lines.
+  std::uint32_t baud;  ///< 0: devices are on TCP.
+};
+constexpr std::array<Suite, 3> kSuites{
+    {{"modbus-tcp", 502, 0}, {"modbus-rtu", 0, 19'200}, {"nmea", 10'110, 9600}}};
+
+const Suite& suite_of(const ConformRequest& request) {
+  return *std::ranges::find(kSuites, request.suite, &Suite::name);
+}
+
+/// All cases that a device of the suite may meet.
+std::vector<conform::CaseIdentity> identities(const std::string& suite) {
+  std::vector<conform::CaseIdentity> all;
+  if (suite == "nmea") {
+    for (conform::NmeaCase& each : conform::nmea_cases()) {
+      all.push_back(std::move(each.identity));
+    }
+    return all;
+  }
+  for (conform::ModbusCase& each : conform::modbus_cases()) {
+    if (suite == "modbus-rtu" ? !each.needs.tcp : !each.needs.serial) {
+      all.push_back(std::move(each.identity));
+    }
+  }
+  return all;
+}
 
 [[noreturn]] void refuse(const std::string& what, const std::string& found,
                          const std::string& allowed) {
@@ -46,43 +75,45 @@ struct Place {
 };
 
 /// "tcp 127.0.0.1:1502" of run.json, or the path of a serial line with what stands behind it.
-ByteEndpoint endpoint_of_wire(const std::string& wire, const std::string& device) {
-  const std::string text = wire.starts_with("tcp ") ? "tcp:" + wire.substr(4)
-                           : wire.starts_with("/")  ? "serial:" + wire.substr(0, wire.find(' '))
-                                                    : "";
-  const auto endpoint = conform::parse_byte_endpoint(text, kModbusPort, kModbusBaud);
-  if (!endpoint) {
+std::string endpoint_of_wire(const std::string& wire, const std::string& baud,
+                             const std::string& device) {
+  if (wire.starts_with("tcp ") && baud.empty()) {
+    return "tcp:" + wire.substr(4);
+  }
+  if (!wire.starts_with("/")) {
     refuse("rig device " + device, wire, "a device on TCP or a serial line of its own");
   }
-  return *endpoint;
+  return "serial:" + wire.substr(0, wire.find(' ')) + baud;
 }
 
 Place open_place(const ConformRequest& request) {
+  const Suite& suite = suite_of(request);
   Place place;
-  if (request.endpoint.starts_with("rig:")) {
-    const std::size_t mark = request.endpoint.rfind('#');
-    if (mark == std::string::npos || mark == 4 || mark + 1 == request.endpoint.size()) {
-      refuse("endpoint", request.endpoint, "rig:RIG#DEVICE");
+  std::string where = request.endpoint;
+  if (where.starts_with("rig:")) {
+    const std::size_t mark = where.rfind('#');
+    if (mark == std::string::npos || mark == 4 || mark + 1 == where.size()) {
+      refuse("endpoint", where, "rig:RIG#DEVICE, rig:RIG#DEVICE@BAUD");
     }
-    const std::string device = request.endpoint.substr(mark + 1);
-    place.rig = std::make_unique<RigProcess>(request.endpoint.substr(4, mark - 4));
-    place.endpoint = endpoint_of_wire(place.rig->wire(device), device);
-  } else {
-    const auto endpoint = conform::parse_byte_endpoint(request.endpoint, kModbusPort, kModbusBaud);
-    if (!endpoint) {
-      refuse("endpoint", request.endpoint,
-             "tcp:ADDRESS[:PORT], serial:PATH[@BAUD] or rig:RIG#DEVICE");
-    }
-    place.endpoint = *endpoint;
+    const std::size_t at = std::min(where.size(), where.find('@', mark));
+    const std::string device = where.substr(mark + 1, at - mark - 1);
+    place.rig = std::make_unique<RigProcess>(where.substr(4, mark - 4));
+    where = endpoint_of_wire(place.rig->wire(device), where.substr(at), device);
   }
-  if (!place.endpoint.local() && !request.allow_remote) {
+  const auto endpoint = conform::parse_byte_endpoint(where, suite.port, suite.baud);
+  if (!endpoint) {
+    refuse("endpoint", request.endpoint,
+           "tcp:ADDRESS[:PORT], serial:PATH[@BAUD] or rig:RIG#DEVICE");
+  }
+  if (!endpoint->local() && !request.allow_remote) {
     refuse("endpoint", request.endpoint, "127.0.0.0/8 or ::1, others with --allow-remote");
   }
-  const bool serial = request.suite == "modbus-rtu";
-  if (serial != (place.endpoint.kind == ByteEndpoint::Kind::serial)) {
+  const bool serial = endpoint->kind == ByteEndpoint::Kind::serial;
+  if (serial ? suite.baud == 0 : suite.port == 0) {
     refuse("endpoint of " + request.suite, request.endpoint,
-           serial ? "a serial line" : "a server on TCP");
+           serial ? "a server on TCP" : "a serial line");
   }
+  place.endpoint = *endpoint;
   return place;
 }
 
@@ -115,7 +146,7 @@ void visit(fields::Visitor& v, Expectations& p) {
   v.list("deviations", p.deviations, "Cases that do not pass, and why.");
 }
 
-Expectations read_expectations(const std::string& file) {
+Expectations read_expectations(const std::string& file, const std::string& suite) {
   Problems problems;
   Origins origins;
   Expectations expectations;
@@ -124,9 +155,9 @@ Expectations read_expectations(const std::string& file) {
     read(document, expectations, problems, origins);
   }
   problems.throw_if_any();
-  const auto known = conform::modbus_cases();
+  const auto known = identities(suite);
   for (const Expectation& each : expectations.deviations) {
-    if (std::ranges::none_of(known, [&](const auto& of) { return of.identity.id == each.id; })) {
+    if (std::ranges::find(known, each.id, &conform::CaseIdentity::id) == known.end()) {
       refuse(file + ": id", each.id, "a case of `rigwire conform SUITE --list`");
     }
   }
@@ -137,7 +168,7 @@ Expectations read_expectations(const std::string& file) {
 std::vector<std::string> surprises(const SuiteResult& result, const std::string& file) {
   std::map<std::string, std::string> expected;
   if (!file.empty()) {
-    for (const Expectation& each : read_expectations(file).deviations) {
+    for (const Expectation& each : read_expectations(file, result.suite).deviations) {
       expected[each.id] = each.verdict;
     }
   }
@@ -178,8 +209,8 @@ void write_captures(const SuiteResult& result, const ByteEndpoint& endpoint,
     }
     std::string name = each.identity.id;
     std::ranges::replace(name, '/', '_');
-    const auto bytes = conform::capture_of(each, endpoint.kind == ByteEndpoint::Kind::serial,
-                                           endpoint.port == 0 ? kModbusPort : endpoint.port);
+    const auto bytes =
+        conform::capture_of(each, endpoint.kind == ByteEndpoint::Kind::serial, endpoint.port);
     const std::string path = folder + "/" + name + ".pcapng";
     std::ofstream file(path, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()),
@@ -191,24 +222,63 @@ void write_captures(const SuiteResult& result, const ByteEndpoint& endpoint,
 }
 
 void list_cases(const ConformRequest& request, std::ostream& out) {
-  const bool serial = request.suite == "modbus-rtu";
-  for (const conform::ModbusCase& each : conform::modbus_cases()) {
-    if ((each.needs.tcp && serial) || (each.needs.serial && !serial) ||
-        !conform::is_wanted(each.identity.id, request.wanted)) {
-      continue;
+  for (const conform::CaseIdentity& each : identities(request.suite)) {
+    if (conform::is_wanted(each.id, request.wanted)) {
+      out << fmt::format("{:24} {:9} {:7} {} ({})\n", each.id, word(each.strength),
+                         word(each.danger), each.title, each.source);
     }
-    out << fmt::format("{:24} {:9} {:7} {} ({})\n", each.identity.id, word(each.identity.strength),
-                       word(each.identity.danger), each.identity.title, each.identity.source);
   }
+}
+
+/// Asks the device, or listens to it. With `request.make_profile` prints its claims to `out`, and
+/// the result is empty.
+SuiteResult ask(const ConformRequest& request, const ByteEndpoint& endpoint, std::ostream& out) {
+  const conform::SuiteOptions options{request.wanted, request.writes, request.robustness};
+  SuiteResult result;
+  if (request.suite == "nmea") {
+    const conform::NmeaClaims claims =
+        request.profile.empty() ? conform::NmeaClaims() : read_nmea_profile(request.profile);
+    const conform::NmeaLog log = conform::listen_nmea(endpoint, request.listen);
+    if (request.make_profile) {
+      out << profile_text(survey_nmea(log), request.endpoint);
+      return result;
+    }
+    result = run_nmea_suite(log, claims, options);
+    result.profile_hash = hash_of(profile_text(claims, ""));
+    return result;
+  }
+  conform::ModbusDevice device;
+  device.endpoint = endpoint;
+  if (request.make_profile) {
+    out << profile_text(survey_modbus(device, request.addresses), request.endpoint);
+    return result;
+  }
+  device.claims = read_modbus_profile(request.profile);
+  result = run_modbus_suite(device, options);
+  result.profile_hash = hash_of(profile_text(device.claims, ""));
+  return result;
 }
 
 }  // namespace
 
 std::vector<std::string> conformance_suites() {
-  return {"modbus-tcp", "modbus-rtu"};
+  std::vector<std::string> names;
+  for (const Suite& suite : kSuites) {
+    names.emplace_back(suite.name);
+  }
+  return names;
 }
 
 int conform(const ConformRequest& request, std::ostream& out, std::ostream& err) {
+  const auto all = identities(request.suite);
+  for (const std::string& wanted : request.wanted) {
+    if (std::ranges::none_of(
+            all, [&](const auto& each) { return conform::is_wanted(each.id, {wanted}); })) {
+      refuse("id", wanted,
+             "a case of `rigwire conform " + request.suite +
+                 " --list`, or the begin of some at a slash");
+    }
+  }
   if (request.list) {
     list_cases(request, out);
     return static_cast<int>(ExitCode::done);
@@ -216,45 +286,27 @@ int conform(const ConformRequest& request, std::ostream& out, std::ostream& err)
   if (request.endpoint.empty()) {
     refuse("endpoint", "", "where the device is, or --list");
   }
-  const std::vector<conform::ModbusCase> all = conform::modbus_cases();
-  for (const std::string& wanted : request.wanted) {
-    if (std::ranges::none_of(all, [&](const auto& each) {
-          return conform::is_wanted(each.identity.id, {wanted});
-        })) {
-      refuse("id", wanted,
-             "a case of `rigwire conform " + request.suite +
-                 " --list`, or the "
-                 "begin of some at a slash");
-    }
+  // Who speaks by itself can be looked through without claims.
+  if (request.profile.empty() && !request.make_profile && request.suite != "nmea") {
+    refuse("--profile", "", "a file; --make-profile asks the device for one");
   }
-  conform::ModbusDevice device;
-  ReadProfile profile;
-  if (!request.make_profile) {
-    if (request.profile.empty()) {
-      refuse("--profile", "", "a file; --make-profile asks the device for one");
-    }
-    profile = read_modbus_profile(request.profile);
+  if (request.suite == "nmea" && (request.writes || request.robustness)) {
+    refuse(request.writes ? "--writes" : "--robustness", request.suite,
+           "a suite that sends something");
   }
   std::vector<SuiteResult> results(1);
   Place place;
   try {
     place = open_place(request);
-    device.endpoint = place.endpoint;
-    device.claims = profile.claims;
-    if (request.make_profile) {
-      out << profile_text(survey_modbus(device, request.addresses), request.endpoint);
-      return static_cast<int>(ExitCode::done);
-    }
-    results[0] = run_modbus_suite(device, {.wanted = request.wanted,
-                                           .writes = request.writes,
-                                           .robustness = request.robustness,
-                                           .ended = nullptr});
+    results[0] = ask(request, place.endpoint, out);
   } catch (const conform::Unreachable& lost) {
     throw drivers::EndpointError(lost.what());
   }
+  if (request.make_profile) {
+    return static_cast<int>(ExitCode::done);
+  }
   SuiteResult& result = results.front();
   result.endpoint = request.endpoint;
-  result.profile_hash = profile.hash;
   if (!request.captures.empty()) {
     write_captures(result, place.endpoint, request.captures);
   }

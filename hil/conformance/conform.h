@@ -2,6 +2,7 @@
 // conform/, and tells what came of it.
 #pragma once
 
+#include <chrono>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -13,9 +14,10 @@ namespace rigwire::hil {
 
 struct ConformRequest {
   std::string suite;
-  /// "tcp:ADDRESS[:PORT]", "serial:PATH[@BAUD]", "rig:RIG#DEVICE": a run of ours, started for it.
+  /// "tcp:ADDRESS[:PORT]", "serial:PATH[@BAUD]", "rig:RIG#DEVICE[@BAUD]": a run of ours, started
+  /// for it.
   std::string endpoint;
-  std::string profile;  ///< File; of a rig's device may be empty.
+  std::string profile;  ///< File; of nmea may be empty.
   std::vector<std::string> wanted;
   bool writes = false;
   bool robustness = false;
@@ -23,8 +25,9 @@ struct ConformRequest {
   bool list = false;          ///< Print the cases that are wanted; ask nobody.
   bool make_profile = false;  ///< Print what the device answers to as a profile.
   unsigned addresses = 1000;  ///< With make_profile: those below are looked for.
-  std::string expectations;   ///< File of known deviations.
-  std::string json;           ///< Files; empty: not written, "-": standard output.
+  std::chrono::nanoseconds listen = std::chrono::seconds{10};  ///< To who speaks by itself.
+  std::string expectations;                                    ///< File of known deviations.
+  std::string json;  ///< Files; empty: not written, "-": standard output.
   std::string junit;
   std::string html;
   std::vector<std::string> beside;  ///< JSON files that the HTML page shows too.

@@ -116,6 +116,19 @@ conform::ModbusClaims claims_of(const ModbusProfile& p) {
   return claims;
 }
 
+template <class Profile>
+Profile read_profile(const std::string& file) {
+  Problems problems;
+  Origins origins;
+  Profile profile;
+  const Value document = load_document(file, problems);
+  if (problems.empty()) {
+    read(document, profile, problems, origins);
+  }
+  problems.throw_if_any();
+  return profile;
+}
+
 }  // namespace
 
 void visit(fields::Visitor& v, ModbusProfile& p) {
@@ -140,18 +153,47 @@ void validate(const ModbusProfile& p) {
   static_cast<void>(claims_of(p));
 }
 
-ReadProfile read_modbus_profile(const std::string& file) {
-  Problems problems;
-  Origins origins;
-  ModbusProfile profile;
-  const Value document = load_document(file, problems);
-  if (problems.empty()) {
-    read(document, profile, problems, origins);
+void visit(fields::Visitor& v, NmeaProfile& p) {
+  v.texts("sentences", p.claims.sentences,
+          "Types that come in every epoch, without the talker: RMC, GGA; empty = not claimed.");
+  v.number("rate", p.claims.rate_hz, fields::in("Hz").between(0, 100),
+           "Epochs per second; 0 = not claimed.");
+}
+
+void validate(const NmeaProfile& p) {
+  for (const std::string& type : p.claims.sentences) {
+    const bool right = type.size() == 3 && std::ranges::all_of(type, [](char c) {
+                         return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+                       });
+    if (!right) {
+      throw std::invalid_argument("sentences: found \"" + type +
+                                  "\", allowed three capital letters, RMC");
+    }
   }
-  problems.throw_if_any();
-  ReadProfile result{claims_of(profile), ""};
-  result.hash = fmt::format("{:016x}", fnv1a(profile_text(result.claims, "")));
-  return result;
+}
+
+conform::ModbusClaims read_modbus_profile(const std::string& file) {
+  return claims_of(read_profile<ModbusProfile>(file));
+}
+
+conform::NmeaClaims read_nmea_profile(const std::string& file) {
+  return read_profile<NmeaProfile>(file).claims;
+}
+
+std::string hash_of(const std::string& profile_text) {
+  return fmt::format("{:016x}", fnv1a(profile_text));
+}
+
+std::string profile_text(const conform::NmeaClaims& claims, const std::string& endpoint) {
+  std::string text =
+      endpoint.empty()
+          ? ""
+          : "# What " + endpoint + " said. Look through it: a claim is what the maker says.\n";
+  text += "sentences: [";
+  for (const std::string& type : claims.sentences) {
+    text += (&type == claims.sentences.data() ? "" : ", ") + type;
+  }
+  return text + fmt::format("]\nrate: {} Hz\n", claims.rate_hz);
 }
 
 std::string profile_text(const conform::ModbusClaims& claims, const std::string& endpoint) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "conform/modbus/modbus_claims.h"
+#include "conform/nmea/nmea_suite.h"
 #include "fields/rules.h"
 
 namespace rigwire::hil {
@@ -29,15 +30,24 @@ void visit(fields::Visitor& v, ModbusProfile& p);
 /// Throws std::invalid_argument: no ranges, or such as overlap or are beyond what can be read.
 void validate(const ModbusProfile& p);
 
-/// The claims of a file, and the hash of what it says. Throws ConfigurationError.
-struct ReadProfile {
-  conform::ModbusClaims claims;
-  std::string hash;
+/// Of a receiver that speaks NMEA 0183.
+struct NmeaProfile {
+  conform::NmeaClaims claims;
 };
-[[nodiscard]] ReadProfile read_modbus_profile(const std::string& file);
+void visit(fields::Visitor& v, NmeaProfile& p);
+/// Throws std::invalid_argument.
+void validate(const NmeaProfile& p);
 
-/// A file that reads as these claims.
+/// The claims of a file. Throws ConfigurationError.
+[[nodiscard]] conform::ModbusClaims read_modbus_profile(const std::string& file);
+[[nodiscard]] conform::NmeaClaims read_nmea_profile(const std::string& file);
+/// Of the file as it would be written anew.
+[[nodiscard]] std::string hash_of(const std::string& profile_text);
+
+/// A file that reads as these claims; `endpoint` is who was asked for them, or empty.
 [[nodiscard]] std::string profile_text(const conform::ModbusClaims& claims,
+                                       const std::string& endpoint);
+[[nodiscard]] std::string profile_text(const conform::NmeaClaims& claims,
                                        const std::string& endpoint);
 
 }  // namespace rigwire::hil

@@ -1,0 +1,43 @@
+// The suite nmea: what a receiver says of itself by NMEA 0183, listened to and looked through.
+// Nothing is sent.
+//
+// Documents: u-blox M8 receiver description including protocol specification, UBX-13003221 R28,
+// section 31 (NMEA protocol), which describes NMEA 0183 as it is widely read.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "conform/byte_line.h"
+#include "conform/conformance_case.h"
+#include "conform/nmea/nmea_log.h"
+#include "conform/suite_options.h"
+#include "conform/trial.h"
+
+namespace rigwire::conform {
+
+/// What a receiver claims.
+struct NmeaClaims {
+  std::vector<std::string> sentences;  ///< Types that come in every epoch; empty: not claimed.
+  double rate_hz = 0.0;                ///< Of epochs; 0: not claimed.
+};
+
+struct NmeaCase {
+  CaseIdentity identity;
+  std::function<void(Trial&, const NmeaLog&, const NmeaClaims&)> run;
+};
+[[nodiscard]] std::vector<NmeaCase> nmea_cases();
+
+/// Listens for that long. Throws Unreachable.
+[[nodiscard]] NmeaLog listen_nmea(const ByteEndpoint& endpoint, std::chrono::nanoseconds span);
+
+/// Looks through what was said.
+[[nodiscard]] SuiteResult run_nmea_suite(const NmeaLog& log, const NmeaClaims& claims,
+                                         const SuiteOptions& options);
+
+/// The claims of somebody who says this.
+[[nodiscard]] NmeaClaims survey_nmea(const NmeaLog& log);
+
+}  // namespace rigwire::conform

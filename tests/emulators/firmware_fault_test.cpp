@@ -278,7 +278,7 @@ TEST(RefusingNode, GatewayKeepsItsTroubleCodesAndItsAddress) {
     announce.packets = 2;
     announce.pgn = j1939::kCommandedAddressPgn;
     rig.receive(j1939::make_transport_management(kController, j1939::kGlobalAddress, announce));
-    for (const std::uint8_t packet : {1, 2}) {
+    for (std::uint8_t packet = 1; packet <= 2; ++packet) {
       rig.receive(j1939::make_transport_data(kController, j1939::kGlobalAddress, bytes, packet));
     }
     rig.run(500ms);

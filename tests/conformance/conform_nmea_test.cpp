@@ -1,0 +1,50 @@
+// `rigwire conform nmea` listens to our receivers, each on a line of its own.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "modbus_programs.h"
+#include "private_wires.h"
+
+namespace rigwire::conformance {
+namespace {
+
+using Json = nlohmann::json;
+
+class ConformNmea : public testing::TestWithParam<const char*> {
+ protected:
+  test::PrivateWires wires_;
+};
+
+TEST_P(ConformNmea, OurReceiverSaysNothingWrong) {
+  const std::string type = GetParam();
+  const std::string rig = (wires_.folder / "rig.yaml").string();
+  const std::string file = (wires_.folder / "result.json").string();
+  std::ofstream(rig) << "machine: {type: excavator, digs: false}\n"
+                     << "devices:\n  gnss: {type: " << type << ", baud: 115200}\n";
+  const ProgramResult ran = run_program(RIGWIRE_BINARY_DIR "/rigwire conform nmea 'rig:" + rig +
+                                            "#gnss@115200' --listen 8s --json " + file,
+                                        60);
+  EXPECT_EQ(ran.exit_code, 0) << ran.text;
+  std::ifstream stream(file);
+  ASSERT_TRUE(stream) << ran.text;
+  const Json result = Json::parse(stream);
+  EXPECT_EQ(result.at("counts").at("fail"), 0) << ran.text;
+  EXPECT_EQ(result.at("counts").at("lenient"), 0) << ran.text;
+  EXPECT_GT(result.at("counts").at("pass"), 20) << ran.text;
+}
+
+INSTANTIATE_TEST_SUITE_P(, ConformNmea,
+                         testing::Values("ublox-neo-7p", "ublox-neo-m8", "ublox-neo-m8t",
+                                         "ublox-zed-f9p"),
+                         [](const auto& type) {
+                           std::string name = type.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace rigwire::conformance

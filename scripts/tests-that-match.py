@@ -23,8 +23,8 @@ import tempfile
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 TESTS = os.path.join(ROOT, 'tests')
 # Programs of GoogleTest, FOLDER_tests from tests/FOLDER/, with the folder's name as label.
-FOLDERS = ('bench', 'conformance', 'drivers', 'emulators', 'examples', 'fields', 'hil', 'oracle',
-           'protocols', 'sim')
+FOLDERS = ('bench', 'conform', 'conformance', 'drivers', 'emulators', 'examples', 'fields', 'hil',
+           'oracle', 'protocols', 'sim')
 
 PLAIN = re.compile(r'^\s*TEST(?:_F)?\s*\(\s*(\w+)\s*,\s*(?:DISABLED_)?(\w+)\s*\)', re.MULTILINE)
 MADE = re.compile(r'^\s*(?:TEST_P|TYPED_TEST|TYPED_TEST_P)\s*\(\s*(\w+)\s*,\s*(\w+)\s*\)',

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <ostream>
 #include <string>
 
 #include "modbus_programs.h"
@@ -14,13 +15,21 @@ namespace {
 
 using Json = nlohmann::json;
 
-class ConformNmea : public testing::TestWithParam<const char*> {
+struct Receiver {
+  const char* name;
+  const char* type;
+};
+void PrintTo(const Receiver& receiver, std::ostream* out) {
+  *out << receiver.type;
+}
+
+class ConformNmea : public testing::TestWithParam<Receiver> {
  protected:
   test::PrivateWires wires_;
 };
 
 TEST_P(ConformNmea, OurReceiverSaysNothingWrong) {
-  const std::string type = GetParam();
+  const std::string type = GetParam().type;
   const std::string rig = (wires_.folder / "rig.yaml").string();
   const std::string file = (wires_.folder / "result.json").string();
   std::ofstream(rig) << "machine: {type: excavator, digs: false}\n"
@@ -38,13 +47,11 @@ TEST_P(ConformNmea, OurReceiverSaysNothingWrong) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, ConformNmea,
-                         testing::Values("ublox-neo-7p", "ublox-neo-m8", "ublox-neo-m8t",
-                                         "ublox-zed-f9p"),
-                         [](const auto& type) {
-                           std::string name = type.param;
-                           std::erase(name, '-');
-                           return name;
-                         });
+                         testing::Values(Receiver{"neo_7p", "ublox-neo-7p"},
+                                         Receiver{"neo_m8", "ublox-neo-m8"},
+                                         Receiver{"neo_m8t", "ublox-neo-m8t"},
+                                         Receiver{"zed_f9p", "ublox-zed-f9p"}),
+                         [](const auto& receiver) { return std::string(receiver.param.name); });
 
 }  // namespace
 }  // namespace rigwire::conformance

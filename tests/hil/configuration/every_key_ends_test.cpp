@@ -403,11 +403,14 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
       Meaningless{"ublox-neo-*.sensor.corrections.fixed_age*", kNoRtk},
       Meaningless{"gige-stereo.sensor.lens.k4*", "of another lens model"},
       Meaningless{"gige-depth.sensor.lens.k4*", "of another lens model"},
+      Meaningless{"valve-driver.faults.0.noise.*", "its own line is of wire tcp"},
   };
   static constexpr std::array kCompanions{
       Companion{"gige-*", "sensor.looks.0.label", "ground"},
       Companion{"*.faults.0.noisier.*", "faults.0.deviation", "1"},
       Companion{"*.faults.0.dead_zone.*", "faults.0.width", "1"},
+      Companion{"valve-driver.faults.0.frozen.*", "faults.0.table", "holding"},
+      Companion{"valve-driver.faults.0.frozen.*", "faults.0.last", "9"},
   };
   EveryKey keys(subject<ConfiguredDevice>(), kCompanions, kJoint, kMeaningless);
   EXPECT_GT(keys.run(), 900u);

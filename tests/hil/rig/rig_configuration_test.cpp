@@ -14,6 +14,7 @@
 
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
+#include "hil/conformance/profile_file.h"
 #include "hil/files/dbc_node_file.h"
 #include "hil/files/file_content.h"
 #include "hil/files/valve_map_file.h"
@@ -70,6 +71,8 @@ TEST(Configs, every_file_is_loaded_without_a_finding) {
       EXPECT_NO_THROW((void)load_valve_map(entry.path()));
     } else if (kind == "can") {
       EXPECT_NO_THROW((void)load_dbc_node(entry.path()));
+    } else if (kind == "profiles") {
+      EXPECT_NO_THROW((void)read_modbus_profile(entry.path()));
     } else {
       ADD_FAILURE() << entry.path() << " is of no kind that a test loads";
     }

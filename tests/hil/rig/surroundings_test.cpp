@@ -168,7 +168,7 @@ TEST(Surroundings, AVehiclesEngineFailsAndComesBack) {
   EXPECT_LT(weak[0].speed_mps, 0.8 * well[0].speed_mps);
   EXPECT_GT(weak[0].speed_mps, 0.05 * well[0].speed_mps);
   EXPECT_NEAR(weak[1].speed_mps, 4.0, 0.15);
-  const auto none = drive("{type: off, at: 4 s, for: 8 s}", {4s, 12s, 22s});
+  const auto none = drive("{type: off, at: 4 s, for: 8 s}", {4s, 12s, 37s});
   EXPECT_LT(none[1].engine_radps, 0.1 * none[0].engine_radps);
   EXPECT_LT(none[1].speed_mps, 0.8 * none[0].speed_mps);
   EXPECT_NEAR(none[2].speed_mps, 4.0, 0.15);
@@ -180,7 +180,7 @@ TEST(Surroundings, AMachineThatNoEngineMovesHasNone) {
   const std::string fault = "faults=[{on: machine.engine, type: off, at: 1 s}]";
   EXPECT_NO_THROW(static_cast<void>(load_rig(roller, {fault})));
   try {
-    static_cast<void>(load_rig(roller, {fault, "machine.level=kinematic"}));
+    static_cast<void>(load_rig(roller, {fault, "machine.roller.level=kinematic"}));
     ADD_FAILURE() << "it was taken";
   } catch (const ConfigurationError& error) {
     EXPECT_THAT(error.what(), HasSubstr("no engine by which it moves"));

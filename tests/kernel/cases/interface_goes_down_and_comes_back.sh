@@ -25,7 +25,8 @@ flows after_down
 ip link del dev "$CAN"
 away=$(ticks)
 sleep 2
-check_range "10 ms of work in 2 s without an interface" $(($(ticks) - away)) 0 100
+# In circles it would be 200; the emulated processor is slow, and slower beside others.
+check_range "10 ms of work in 2 s without an interface" $(($(ticks) - away)) 0 160
 ip link add dev "$CAN" type vcan
 ip link set "$CAN" up
 flows after_removal

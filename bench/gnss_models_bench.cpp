@@ -293,7 +293,7 @@ std::vector<ModelError> measure_models(const hil::RigConfiguration& rig, int rec
     }
   };
   for (const auto& [place, sky] : skies) {
-    measure(place, [&](const auto& epoch) {
+    measure(place, [&, &sky = sky](const auto& epoch) {
       for (int i = 0; i < seconds; ++i) {
         epoch(kStart + std::chrono::seconds{i}, sim::LinkMotion{}, sky);
       }

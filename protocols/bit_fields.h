@@ -112,7 +112,7 @@ class BitWriter {
   void put(unsigned bits, std::uint64_t value) {
     assert(at_ + bits <= kCapacity * 8);
     for (unsigned i = bits; i-- > 0; ++at_) {
-      if ((value >> i & 1U) != 0) {
+      if (i < 64 && (value >> i & 1U) != 0) {  // Spare fields may be longer than a number.
         bytes_[at_ / 8] = static_cast<std::uint8_t>(bytes_[at_ / 8] | 1U << (7U - at_ % 8));
       }
     }

@@ -389,9 +389,10 @@ void visit(fields::Visitor& v, ValveMap& p) {
   v.choice("watchdog_feed", p.watchdog_feed, kFeeds, "What shows that the master is alive.");
   v.boolean("watchdog_recovers", p.watchdog_recovers, "The next feed ends a trip.");
   v.boolean("always_enabled", p.always_enabled, "Enabled from power-up on.");
-  v.number_list("functions", functions, plain().between(1, 127),
-                "Function codes that it has, others answer exception 01; empty = all that are for its "
-                "tables, or for none.");
+  v.number_list(
+      "functions", functions, plain().between(1, 127),
+      "Function codes that it has, others answer exception 01; empty = all that are for its "
+      "tables, or for none.");
   for (const double code : functions) {
     v.check(is_function(code), "functions", "no function of a valve driver", number(code),
             kFunctionNames);

@@ -178,8 +178,7 @@ TEST_F(ValveDriverTest, WithoutCoilsItHasNoFunctionOfThem) {
   for (const std::uint8_t function : std::array<std::uint8_t, 4>{1, 2, 5, 15}) {
     EXPECT_FALSE(driver_.unit().has_function(function)) << unsigned{function};
   }
-  for (const std::uint8_t function :
-       std::array<std::uint8_t, 8>{3, 4, 6, 16, 17, 22, 23, 43}) {
+  for (const std::uint8_t function : std::array<std::uint8_t, 8>{3, 4, 6, 16, 17, 22, 23, 43}) {
     EXPECT_TRUE(driver_.unit().has_function(function)) << unsigned{function};
   }
 }

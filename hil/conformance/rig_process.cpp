@@ -69,12 +69,16 @@ RigProcess::RigProcess(const std::string& rig, const std::vector<std::string>& s
     std::this_thread::sleep_for(milliseconds(50));
   }
   const std::string said = content_of(log);
-  this->~RigProcess();
+  end();
   throw drivers::EndpointError("rig " + rig + " is not ready" +
                                (said.empty() ? "" : ":\n" + printable(said, "\n")));
 }
 
 RigProcess::~RigProcess() {
+  end();
+}
+
+void RigProcess::end() {
   if (process_ > 0) {
     ::kill(process_, SIGINT);
     ::waitpid(process_, nullptr, 0);

@@ -23,6 +23,9 @@ class RigProcess {
   [[nodiscard]] std::string wire(const std::string& device) const;
 
  private:
+  /// Ends the run and removes its folder.
+  void end();
+
   std::string folder_;
   pid_t process_ = -1;
 };

@@ -242,9 +242,8 @@ std::vector<float> GroundSurface::cell_heights(const StereoPicture& picture,
     if (count >= kLeastPoints) {
       heights[here] =
           all[begin + static_cast<std::size_t>(kLowQuantile * static_cast<double>(count))].height_m;
-      const double ahead =
-          (static_cast<double>(here / static_cast<std::uint32_t>(columns_)) + 0.5) *
-          settings_.cell_m;
+      const std::uint32_t row = here / static_cast<std::uint32_t>(columns_);
+      const double ahead = (static_cast<double>(row) + 0.5) * settings_.cell_m;
       // Neighbouring pixels err alike: what counts is the deviation of one, not how many they are.
       const double sigma_cm = 1.0 + 100.0 * height_sigma_m(ahead);
       weights[here] = static_cast<float>(10.0 / sigma_cm);

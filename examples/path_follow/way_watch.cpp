@@ -62,9 +62,10 @@ void WayWatch::finish_revolution(const field::Pose& pose, const Follower& follow
     if (column.points < settings_.least_points || height_m < settings_.least_height_m) {
       continue;
     }
-    const double x_m =
-        settings_.front_m + (static_cast<double>(i / columns_across_) + 0.5) * kColumn_m;
-    const double y_m = (static_cast<double>(i % columns_across_) + 0.5) * kColumn_m - kAside_m;
+    const std::size_t row = i / columns_across_;
+    const std::size_t across = i % columns_across_;
+    const double x_m = settings_.front_m + (static_cast<double>(row) + 0.5) * kColumn_m;
+    const double y_m = (static_cast<double>(across) + 0.5) * kColumn_m - kAside_m;
     const field::PlanePosition there{pose.position.east_m + cos_heading * x_m - sin_heading * y_m,
                                      pose.position.north_m + sin_heading * x_m + cos_heading * y_m};
     const double reach_m = settings_.front_m + settings_.reach_m;

@@ -18,11 +18,12 @@ class FreeBody {
   using Vector = Eigen::Vector3d;
 
   FreeBody(const Ground& ground, ConvexShape shape, double mass_kg, const Vector& inertia_kgm2,
-           double stiffness_npm, double damping_nspm, double crush_n = 0.0, double crush_npm = 0.0)
+           double stiffness_npm, double damping_nspm, double crush_n = 0.0, double crush_npm = 0.0,
+           bool soft = false)
       : mass_kg_(mass_kg),
         inertia_(inertia_kgm2),
         contact_({{"body", 0, Eigen::Isometry3d::Identity(), std::move(shape), stiffness_npm,
-                   damping_nspm, crush_n, crush_npm}},
+                   damping_nspm, crush_n, crush_npm, false, soft}},
                  1, ground) {}
 
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();

@@ -115,11 +115,14 @@ bool in_the_way(const ContactBody& body, const Eigen::Matrix3d& R_WL, const Vect
 
 }  // namespace
 
-ContactLaw law_in_a_row(const ContactBody& body, double other_npm, double friction) {
+ContactLaw law_in_a_row(const ContactBody& body, double other_npm, double friction,
+                        std::size_t points) {
   ContactLaw law;
-  law.stiffness_npm = 1.0 / (1.0 / body.stiffness_npm + (other_npm > 0.0 ? 1.0 / other_npm : 0.0));
-  law.body_share = law.stiffness_npm / body.stiffness_npm;
-  law.damping_nspm = body.damping_nspm * std::sqrt(law.body_share);
+  const double share = body.soft ? 1.0 / static_cast<double>(points) : 1.0;
+  const double own_npm = share * body.stiffness_npm;
+  law.stiffness_npm = 1.0 / (1.0 / own_npm + (other_npm > 0.0 ? 1.0 / other_npm : 0.0));
+  law.body_share = law.stiffness_npm / own_npm;
+  law.damping_nspm = share * body.damping_nspm * std::sqrt(law.body_share);
   law.friction = friction;
   law.bristle_npm = 0.5 * law.stiffness_npm;
   return law;
@@ -525,7 +528,7 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
   const ContactBody& body = bodies_[pair.body];
   const bool met_before = pair.memory.met();
   PairMemory::Step step(pair.memory);
-  const ContactLaw law = law_in_a_row(body, met.stiffness_npm, met.friction);
+  const ContactLaw law = law_in_a_row(body, met.stiffness_npm, met.friction, touches.size());
   const std::size_t first = points_.size();
   for (const Touch& touch : touches) {
     if (points_.size() == points_.capacity()) {

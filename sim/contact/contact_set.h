@@ -68,7 +68,7 @@ struct ContactBody {
   std::size_t link = 0;
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
   ConvexShape shape;
-  double stiffness_npm = 1.5e6;  ///< Of one point of contact.
+  double stiffness_npm = 1.5e6;  ///< Of one point; of a soft body's, of all.
   double damping_nspm = 3e4;
   double crush_n = 0.0;    ///< Force at which a point of contact bends it in; 0: never.
   double crush_npm = 0.0;  ///< By how much more, by the depth of the dent.
@@ -80,8 +80,10 @@ struct ContactBody {
   bool meets_obstacles = true;  ///< And what lies loose.
 };
 
-/// Of a body's point in a row with that of what it meets: `other_npm` of itself, 0: rigid.
-[[nodiscard]] ContactLaw law_in_a_row(const ContactBody& body, double other_npm, double friction);
+/// Of a body's point, one of so many of its pair, in a row with that of what it meets: `other_npm`
+/// of itself, 0: rigid.
+[[nodiscard]] ContactLaw law_in_a_row(const ContactBody& body, double other_npm, double friction,
+                                      std::size_t points = 1);
 
 /// Where a link is and how it moves.
 struct ContactLink {

@@ -62,6 +62,23 @@ TEST_P(StepSize, ACrateDroppedOnEdgeOrCornerGainsNoEnergyAndComesToRest) {
   }
 }
 
+// Each of two points had the whole tyre's stiffness: a wheel across a trunk was twice as hard as on
+// the road.
+TEST_P(StepSize, PointsOfASoftBodyShareItsSpring) {
+  const double h = GetParam();
+  const Ground ground = ground_with({box_obstacle({0.0, 0.0, -1.0}, {20.0, 20.0, 1.0})});
+  const Vector half(0.5, 0.4, 0.3);
+  const double stiffness = 2e5;
+  FreeBody bale(ground, ConvexShape::box(half), 1000.0, box_inertia(1000.0, half), stiffness, 1e4,
+                0.0, 0.0, true);
+  bale.X_WB.translation().z() = 0.301;
+  for (int i = 0; i < static_cast<int>(5.0 / h); ++i) {
+    bale.step(h);
+  }
+  EXPECT_EQ(bale.contact().report().deepest_m, 0.0);
+  EXPECT_NEAR(bale.contact().report().pressed_m, 1000.0 * kGravity_mps2 / stiffness, 1e-4);
+}
+
 TEST_P(StepSize, ACrateAtRestDoesNotCreepOnASlope) {
   const double h = GetParam();
   Obstacle slope = box_obstacle({0.0, 0.0, 0.0}, {20.0, 20.0, 1.0}, 0.6);

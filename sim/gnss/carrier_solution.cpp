@@ -97,7 +97,7 @@ void visit(fields::Visitor& v, CorrectionParameters& p) {
               w.number("refix_longest", p.refix_longest_s, kSeconds,
                        "Longest time from a loss to fixed again.");
               w.integer("least_satellites", p.least_satellites, IntegerRule{kLeastForFloat, 40},
-                        "Fixed: satellites in line of sight that it needs; rtk: of the base's.");
+                        "Fixed: satellites with sound carriers that it needs; rtk: of the base's.");
             });
   v.number("service_start", p.service_start_m, kMetres,
            "Service: error per axis when it begins, 1 sigma.");
@@ -182,7 +182,7 @@ void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& 
   }
   const ReceivedCorrections& received = *input.received;
   const double age_s = to_seconds(input.time - received.measured);
-  if (received.common < kLeastForFloat || !input.has_position || age_s < 0.0 ||
+  if (received.common.line_of_sight < kLeastForFloat || !input.has_position || age_s < 0.0 ||
       age_s > to_seconds(received.largest_age)) {
     lose();
     epochs_ = 0;
@@ -200,11 +200,11 @@ void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& 
   if (floating_ == kNever) {
     floating_ = input.time;
   }
-  const bool two_bands = received.common_two_band >= static_cast<int>(p.least_satellites);
+  const bool two_bands = received.common.two_band >= static_cast<int>(p.least_satellites);
   const double farthest_m = two_bands ? kFarthestTwoBands_m : kFarthestOneBand_m;
-  const bool fixable = received.common >= static_cast<int>(p.least_satellites) &&
-                       received.carriers_agree && !received.floating_only &&
-                       age_s <= p.fixed_age_s && received.baseline_m <= farthest_m;
+  const bool fixable = received.common.can_fix(p.least_satellites) && received.carriers_agree &&
+                       !received.floating_only && age_s <= p.fixed_age_s &&
+                       received.baseline_m <= farthest_m;
   if (!fixable) {
     if (fixed_) {
       // What was fixed floats on from its best.
@@ -241,7 +241,7 @@ void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& 
 
 void CarrierEngine::advance_assumed_rtk(const CorrectionInput& input, CorrectionOutput& output) {
   const CorrectionParameters& p = parameters_;
-  const bool usable = output.differential && input.line_of_sight >= kLeastForFloat;
+  const bool usable = output.differential && input.carriers.line_of_sight >= kLeastForFloat;
   if (!usable) {
     lose();
     return;
@@ -249,7 +249,7 @@ void CarrierEngine::advance_assumed_rtk(const CorrectionInput& input, Correction
   if (floating_ == kNever) {
     floating_ = input.time;
   }
-  if (input.line_of_sight < static_cast<int>(p.least_satellites)) {
+  if (!input.carriers.can_fix(p.least_satellites)) {
     if (fixed_) {
       floating_ = input.time;
     }
@@ -278,7 +278,7 @@ void CarrierEngine::advance_assumed_rtk(const CorrectionInput& input, Correction
 
 void CarrierEngine::advance_service(const CorrectionInput& input, CorrectionOutput& output) {
   const CorrectionParameters& p = parameters_;
-  const bool usable = output.differential && input.line_of_sight >= kLeastForFloat;
+  const bool usable = output.differential && input.carriers.line_of_sight >= kLeastForFloat;
   if (!usable) {
     if (good_ != kNever && to_seconds(input.time - good_) > p.service_bridge_s) {
       floating_ = kNever;

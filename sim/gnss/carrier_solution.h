@@ -10,9 +10,10 @@
 //            is no differential position. Differential with the first usable epoch, float with the
 //            second, fixed once the ambiguities are found; then 1 cm + 1 ppm of the baseline
 //            horizontally and 2 cm + 1 ppm vertically, as data sheets of such receivers state, and
-//            3 cm per minute of age. A fix is lost with fewer than five common satellites in line
-//            of sight, or with corrections older than 30 s; everything with corrections older than
-//            the receiver's limit.
+//            3 cm per minute of age. A fix is lost where fewer than five common satellites, or
+//            fewer than half of those that are used, have a carrier to go by (CarrierCount), and
+//            with corrections older than 30 s; everything with corrections older than the
+//            receiver's limit.
 //   assumed_rtk  the same without a base station, so not causal: corrections are assumed to arrive
 //            at an interval with a latency, from a base at a distance. No cable can be pulled but
 //            by the fault correction_outage. For receivers whose way to their corrections is not
@@ -78,14 +79,27 @@ void visit(fields::Visitor& v, CorrectionParameters& p);
 /// Throws std::invalid_argument naming the key, its value and what is allowed.
 void validate(const CorrectionParameters& parameters);
 
+/// Satellites by what their carriers are good for. A receiver cannot tell a mirrored or slipping
+/// carrier from a sound one: where less than half of what it uses are sound, its test of integers
+/// against the next best ones fails (an estimate; a ZED-F9P in fields and forest was fixed half of
+/// the time and less, Stefal/rtkbase #351).
+struct CarrierCount {
+  int used = 0;           ///< For the fix.
+  int line_of_sight = 0;  ///< Of these: not mirrored, and strong enough for its carrier.
+  int held = 0;           ///< Of these: without a slip for two seconds.
+  int two_band = 0;       ///< Of these: the second band, too.
+  [[nodiscard]] bool can_fix(std::uint32_t least) const {
+    return held >= static_cast<int>(least) && 2 * held >= used;
+  }
+};
+
 /// What arrived from a base station, as far as it is of use at an epoch.
 struct ReceivedCorrections {
   SimTime measured{};  ///< The station's epoch.
   Duration largest_age = std::chrono::seconds{60};
   double baseline_m = 0.0;
-  int common = 0;           ///< Satellites in line of sight that the station has, too ...
-  int common_two_band = 0;  ///< ... and on its second band.
-  bool gps_only = false;    ///< All of these.
+  CarrierCount common;    ///< Satellites that the station has, too.
+  bool gps_only = false;  ///< All of these in line of sight.
   bool carriers_agree = false;
   bool floating_only = false;
 };
@@ -93,7 +107,7 @@ struct ReceivedCorrections {
 /// What the receiver has to work with at an epoch.
 struct CorrectionInput {
   SimTime time{};
-  int line_of_sight = 0;      ///< Satellites tracked in line of sight, above the mask.
+  CarrierCount carriers;      ///< Its second bands are not counted.
   bool has_position = false;  ///< A code position exists.
   bool link = true;           ///< Corrections can arrive (for SBAS: one of its satellites, too).
   std::optional<ReceivedCorrections> received{};  ///< rtk: nothing before the first.

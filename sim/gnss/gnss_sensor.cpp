@@ -20,6 +20,8 @@ constexpr double kCepPerSigma = 1.1774;  // sqrt(2 ln 2), circular normal distri
 constexpr double kSbasCircularShare = 0.8;
 /// A carrier tracked at less slips too often for a carrier solution.
 constexpr double kCarrierCn0_dbhz = 32.0;
+/// So long after a slip its ambiguity is known well enough again to be found.
+constexpr double kHeld_s = 2.0;
 /// A receiver that has never had a 3D fix knows its height so well, and loses it by the slope of
 /// the ground while it moves.
 constexpr double kUnknownHeightSigma_m = 10.0;
@@ -65,6 +67,25 @@ void list_directions(std::span<ReceivedSatellite* const> satellites,
 std::unique_ptr<DilutionModel> dilution_of(const GnssParameters& parameters) {
   return make_dilution(parameters.error_model == ErrorModel::paper ? parameters.dilution
                                                                    : DilutionKind::geometric);
+}
+
+bool carries(const ReceivedSatellite& satellite) {
+  return satellite.direct && satellite.cn0_dbhz >= kCarrierCn0_dbhz;
+}
+
+void count(const ReceivedSatellite& satellite, bool second, CarrierCount& carriers) {
+  ++carriers.used;
+  if (!carries(satellite)) {
+    return;
+  }
+  ++carriers.line_of_sight;
+  if (satellite.held_s < kHeld_s) {
+    return;
+  }
+  ++carriers.held;
+  if (second && satellite.cn0_dbhz - satellite.second_weaker_db >= kCarrierCn0_dbhz) {
+    ++carriers.two_band;
+  }
 }
 
 }  // namespace
@@ -144,10 +165,6 @@ void GnssSensor::select(std::span<ReceivedSatellite> received, Epoch& epoch) con
     }
     std::erase_if(epoch.used, [](const ReceivedSatellite* satellite) { return !satellite->used; });
   }
-  epoch.line_of_sight =
-      static_cast<int>(std::ranges::count_if(epoch.used, [](const ReceivedSatellite* satellite) {
-        return satellite->direct && satellite->cn0_dbhz >= kCarrierCn0_dbhz;
-      }));
 }
 
 void GnssSensor::command(const GnssCommand& command) {
@@ -234,17 +251,11 @@ std::optional<ReceivedCorrections> GnssSensor::received_corrections(const Epoch&
                             .norm();
   received.gps_only = true;
   for (const ReceivedSatellite* satellite : epoch.used) {
-    if (!satellite->direct || satellite->cn0_dbhz < kCarrierCn0_dbhz ||
-        !station_.has(satellite->index)) {
-      continue;
+    if (station_.has(satellite->index)) {
+      count(*satellite, station_.has_second(satellite->index), received.common);
+      received.gps_only = received.gps_only &&
+                          (!carries(*satellite) || satellite->satellite.system == GnssSystem::gps);
     }
-    ++received.common;
-    received.common_two_band +=
-        station_.has_second(satellite->index) &&
-                satellite->cn0_dbhz - satellite->second_weaker_db >= kCarrierCn0_dbhz
-            ? 1
-            : 0;
-    received.gps_only = received.gps_only && satellite->satellite.system == GnssSystem::gps;
   }
   received.carriers_agree = station_.carriers_agree();
   received.floating_only = corrections_->floating_only;
@@ -256,7 +267,9 @@ void GnssSensor::correct(Epoch& epoch, GnssSample& sample) {
   CorrectionInput input;
   input.received = received_corrections(epoch);
   input.time = epoch.reception.time;
-  input.line_of_sight = epoch.line_of_sight;
+  for (const ReceivedSatellite* satellite : epoch.used) {
+    count(*satellite, false, input.carriers);
+  }
   input.has_position = epoch.used.size() >= 3;
   input.link = !epoch.fault.corrections_lost && !epoch.fault.no_signal;
   if (parameters_.corrections.kind == CorrectionKind::sbas && channels_.knows(GnssSystem::sbas)) {

@@ -102,7 +102,6 @@ class GnssSensor {
     Eigen::Matrix3d ned_from_world = Eigen::Matrix3d::Identity();
     double height_m = 0.0;  ///< Above the ellipsoid, of the place that the ranges are of.
     std::vector<ReceivedSatellite*> used;
-    int line_of_sight = 0;   ///< Satellites that a carrier solution can use.
     bool augmented = false;  ///< An SBAS satellite is heard above the mask.
     CorrectionOutput corrections;
     Eigen::Vector3d error_ned_m = Eigen::Vector3d::Zero();

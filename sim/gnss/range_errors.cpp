@@ -12,6 +12,7 @@
 namespace rigwire::sim {
 
 using fields::in;
+using fields::plain;
 
 namespace {
 
@@ -81,6 +82,8 @@ void visit(fields::Visitor& v, RangeErrorParameters& p) {
            "Added to the receiver's own belief for what a signal is too weak beyond 3 dB.");
   v.number("foliage_multipath", p.foliage_multipath_mpdb, in("m/dB").between(0, 100),
            "Multipath for each dB that tree crowns take from a signal, standard deviation.");
+  v.number("foliage_slips", p.foliage_slips_psdb, plain().between(0, 100),
+           "Slips of a carrier per second for each dB that tree crowns take.");
   v.number("carrier_multipath", p.carrier_multipath_m, in("mm").between(0, 100),
            "Multipath of the carrier phase at the zenith; over sin E at elevation E.");
   v.number("rate_noise", p.rate_noise_mps, in("m/s").between(0, 100),
@@ -106,7 +109,8 @@ SatelliteErrors::SatelliteErrors(std::uint64_t seed, std::string_view name)
     : random_(seed, name),
       fading_random_(seed, std::string(name) + "/fading"),
       rate_random_(seed, std::string(name) + "/rate"),
-      second_random_(seed, std::string(name) + "/second") {}
+      second_random_(seed, std::string(name) + "/second"),
+      slip_random_(seed, std::string(name) + "/slips") {}
 
 void SatelliteErrors::fade(double step_s, double speed_mps) {
   // 1 / tau = 1 / tau_rest + speed / length.
@@ -142,6 +146,11 @@ void SatelliteErrors::acquired() {
   multipath_.redraw(random_);
   second_.code_noise.redraw(second_random_);
   second_.code_multipath.redraw(second_random_);
+}
+
+bool SatelliteErrors::slips(const RangeErrorParameters& p, double foliage_db, double step_s) {
+  const double expected = p.foliage_slips_psdb * foliage_db * step_s;
+  return expected > 0.0 && slip_random_.uniform() < 1.0 - std::exp(-expected);
 }
 
 RangeError SatelliteErrors::error(const RangeErrorParameters& p, const SignalArrival& arrival,

@@ -14,7 +14,9 @@
 //   the
 //                     reflections change with the place: 1/tau = 1/tau_rest + speed / length
 //   foliage           0.3 m of multipath for each dB that crowns take: errors of several metres
-//                     under trees (recalled, not measured here)
+//                     under trees (recalled, not measured here); its carrier slips at random,
+//                     0.03 times a second for each dB: an estimate, so that under closed crowns an
+//                     RTK receiver is fixed a part of the time only (carrier_solution.h)
 //   range rate        white 15 mm/s at 45 dBHz, and 20 mm/s that stay 2.5 s at rest, 1 s in motion
 //                     (u-blox receivers at rest show speeds of 14 to 24 mm/s)
 //   carrier           thermal noise of its loop, and 2 mm over sin E of multipath
@@ -60,6 +62,7 @@ struct RangeErrorParameters {
   double weak_signal_sigma_mpdb = 1.0;
   /// Multipath of the crowns that a signal comes through, for each dB that they take.
   double foliage_multipath_mpdb = 0.3;
+  double foliage_slips_psdb = 0.03;    ///< Of a carrier per second, for each of these dB.
   double rate_noise_mps = 0.015;       ///< Of a range rate: white, at 45 dBHz ...
   double carrier_multipath_m = 0.002;  ///< Of the carrier, at the zenith; over sin E.
   double rate_multipath_mps = 0.02;    ///< ... and what reflections add, seconds at rest.
@@ -141,6 +144,9 @@ class SatelliteErrors {
   void acquired();
   [[nodiscard]] RangeError error(const RangeErrorParameters& parameters,
                                  const SignalArrival& arrival, const CorrectedShare& share) const;
+  /// Whether the carrier slips within a step under crowns that take so much.
+  [[nodiscard]] bool slips(const RangeErrorParameters& parameters, double foliage_db,
+                           double step_s);
   /// Unit fading of C/N0.
   [[nodiscard]] double fading() const { return fading_.value(); }
 
@@ -164,6 +170,7 @@ class SatelliteErrors {
   GaussMarkov carrier_noise_;
   GaussMarkov carrier_multipath_;
   RandomStream second_random_;
+  RandomStream slip_random_;
   Local second_;
 };
 

@@ -136,6 +136,11 @@ void SatelliteChannels::arrive(Channel& channel, ReceivedSatellite& received,
   received.direct = received.direct && channel.arrival.open_share > 0.0;
 }
 
+/// What crowns take of its signal.
+double SatelliteChannels::foliage_db(const Channel& channel) const {
+  return parameters_.sky.foliage_attenuation_dbpm * channel.arrival.foliage_m;
+}
+
 /// Fading changes what a receiver reads of C/N0 in both models; only in the coloured one it loses
 /// satellites by it.
 void SatelliteChannels::fade(const Reception& reception) {
@@ -146,6 +151,7 @@ void SatelliteChannels::fade(const Reception& reception) {
     channel.fade_db =
         channel.errors.fading() *
         fading_sigma_db(parameters_.sky, std::sin(received_[k].elevation_rad), reception.speed_mps);
+    channel.slips = channel.errors.slips(parameters_.ranges, foliage_db(channel), step_s);
     channel.last = reception.time;
   }
 }
@@ -190,7 +196,13 @@ void SatelliteChannels::track(const Reception& reception, const GnssFaultState& 
     busy -= before ? 1U : 0U;
     received.acquired = received.tracked && !before;
     received.direct = received.direct && received.tracked;
-    received.slipped = received.acquired || (received.tracked && received.direct != channel.direct);
+    received.slipped = received.acquired ||
+                       (received.tracked &&
+                        (received.direct != channel.direct || (channel.slips && !fault.spoofed)));
+    if (received.slipped || !received.tracked) {
+      channel.held = reception.time;
+    }
+    received.held_s = to_seconds(reception.time - channel.held);
     channel.direct = received.direct;
     if (received.acquired) {
       channel.errors.acquired();
@@ -280,7 +292,7 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
         direct_cn0_dbhz(parameters_.sky, std::sin(received.elevation_rad), SkyArrival{}) -
         (received.cn0_dbhz - channel.fade_db);
     if (!spoofed) {
-      arrival.foliage_db = parameters_.sky.foliage_attenuation_dbpm * channel.arrival.foliage_m;
+      arrival.foliage_db = foliage_db(channel);
       arrival.reflection_envelope_m = channel.envelope_m;
       arrival.extra_path_m = channel.extra_path_m;
     }

@@ -42,11 +42,12 @@ struct ReceivedSatellite {
   double cn0_dbhz = 0.0;
   double second_weaker_db = 0.0;  ///< What its second carrier has lost more than the first.
   bool tracked = false;
-  bool acquired = false;    ///< Since this epoch.
-  bool direct = false;      ///< In line of sight, not by a reflection alone.
-  bool slipped = false;     ///< Acquired, or changed between direct and reflected signal.
-  bool usable = false;      ///< Tracked, healthy, above the mask.
-  bool used = false;        ///< Takes part in the fix: the sensor's business.
+  bool acquired = false;  ///< Since this epoch.
+  bool direct = false;    ///< In line of sight, not by a reflection alone.
+  bool slipped = false;   ///< Acquired, changed between direct and reflected signal, or by crowns.
+  double held_s = 0.0;    ///< Since the carrier slipped last.
+  bool usable = false;    ///< Tracked, healthy, above the mask.
+  bool used = false;      ///< Takes part in the fix: the sensor's business.
   double residual_m = 0.0;  ///< The same: what the fix does not explain.
   RangeError error;         ///< When tracked, coloured model.
 };
@@ -84,7 +85,9 @@ class SatelliteChannels {
     SatelliteTracker tracker;
     SimTime last = kNever;
     SkyArrival arrival;
-    bool direct = false;  ///< At the epoch before.
+    bool direct = false;    ///< At the epoch before.
+    bool slips = false;     ///< Under crowns, since then.
+    SimTime held = kNever;  ///< Since when the carrier is.
     double fade_db = 0.0;
     double envelope_m = 0.0;
     double extra_path_m = 0.0;
@@ -96,6 +99,7 @@ class SatelliteChannels {
   void arrive(Channel& channel, ReceivedSatellite& received, const Reception& reception,
               const Visibility& visibility);
   void advance_errors(const Reception& reception);
+  [[nodiscard]] double foliage_db(const Channel& channel) const;
   void fade(const Reception& reception);
   void track(const Reception& reception, const GnssFaultState& fault);
   [[nodiscard]] double ionosphere_length_m() const;

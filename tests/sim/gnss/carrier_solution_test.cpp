@@ -17,7 +17,10 @@ CorrectionParameters of(CorrectionKind kind) {
 }
 
 CorrectionInput good(SimTime time, int line_of_sight = 8) {
-  return {.time = time, .line_of_sight = line_of_sight, .has_position = true, .link = true};
+  return {.time = time,
+          .carriers = {line_of_sight, line_of_sight, line_of_sight, 0},
+          .has_position = true,
+          .link = true};
 }
 
 TEST(CarrierEngine, WithoutCorrectionsNothingHappens) {
@@ -161,7 +164,7 @@ double mean_time_to_fix_s(const ReceivedCorrections& corrections) {
 }
 
 constexpr ReceivedCorrections kGood{
-    .baseline_m = 1000.0, .common = 14, .common_two_band = 12, .carriers_agree = true};
+    .baseline_m = 1000.0, .common = {14, 14, 14, 12}, .carriers_agree = true};
 
 // Data sheets: a ZED-F9P below 10 s with several systems, below 30 s with GPS alone; a NEO-M8P,
 // which has one band, below 60 s.
@@ -171,7 +174,7 @@ TEST(CarrierEngineByPort, TimesToFixAreThoseOfDataSheets) {
   gps.gps_only = true;
   EXPECT_NEAR(mean_time_to_fix_s(gps), 26.0, 4.0);
   ReceivedCorrections one_band = kGood;
-  one_band.common_two_band = 0;
+  one_band.common.two_band = 0;
   EXPECT_NEAR(mean_time_to_fix_s(one_band), 34.0, 5.0);
   ReceivedCorrections far = kGood;
   far.baseline_m = 15e3;
@@ -185,13 +188,15 @@ TEST(CarrierEngineByPort, WhatIsMissingHoldsTheFixBack) {
     return time_to_fix_s(1, corrections) == 1000.0;
   };
   EXPECT_FALSE(never([](ReceivedCorrections&) {}));
-  EXPECT_TRUE(never([](ReceivedCorrections& c) { c.common = 4; }));
+  EXPECT_TRUE(never([](ReceivedCorrections& c) { c.common.held = 4; }));
+  EXPECT_FALSE(never([](ReceivedCorrections& c) { c.common.held = 7; }));
+  EXPECT_TRUE(never([](ReceivedCorrections& c) { c.common.held = 6; })) << "of 14 used";
   EXPECT_TRUE(never([](ReceivedCorrections& c) { c.carriers_agree = false; }));
   EXPECT_TRUE(never([](ReceivedCorrections& c) { c.floating_only = true; }));
   EXPECT_TRUE(never([](ReceivedCorrections& c) { c.baseline_m = 51e3; }));
   EXPECT_TRUE(never([](ReceivedCorrections& c) {
     c.baseline_m = 16e3;
-    c.common_two_band = 4;
+    c.common.two_band = 4;
   }));
 }
 

@@ -86,6 +86,18 @@ TEST(GnssBench, WithABaseStationFiveHundredMetresAwayRtkFixesAtCentimetres) {
   EXPECT_LT(rows[1].error_95_m, 0.03);
 }
 
+// It was fixed there as under an open sky. A ZED-F9P in fields and forest: half of the time and less
+// (Stefal/rtkbase #351).
+TEST(GnssBench, UnderCrownsRtkIsFixedAPartOfTheTime) {
+  const auto rows = measure_models(hil::load_rig(hil::find_rig("gator_campus"), {}).configuration,
+                                   4, 300, [](std::string_view place, std::string_view model) {
+                                     return place == "wood" && model == "RTK fixed";
+                                   });
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_GT(rows[0].fixes, 0.1);
+  EXPECT_LT(rows[0].fixes, 0.7);
+}
+
 class CampusLap : public testing::Test {
  protected:
   static const std::vector<Lap>& laps() {

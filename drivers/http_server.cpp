@@ -9,6 +9,7 @@
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/beast/core/basic_stream.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/rate_policy.hpp>
@@ -17,6 +18,8 @@
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/version.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <boost/beast/websocket/stream.hpp>
 #include <cerrno>
 #include <optional>
 #include <utility>
@@ -69,8 +72,113 @@ struct HttpServer::State : Listening, std::enable_shared_from_this<State> {
   HttpServerSettings settings;
   std::optional<Local::acceptor> local;  ///< Of the path.
   PatientHandler handler;
+  WebSocketHandler web_socket_handler;
   std::vector<std::shared_ptr<Session>> sessions;
+  std::vector<std::shared_ptr<Socket>> web_sockets;
   std::uint64_t requests = 0;
+};
+
+/// A connection that has become a WebSocket.
+class HttpServer::Socket : public WebSocket, public std::enable_shared_from_this<Socket> {
+ public:
+  Socket(std::shared_ptr<State> server, AnySocket socket)
+      : server_(std::move(server)), stream_(std::move(socket)) {
+    stream_.set_option(beast::websocket::stream_base::timeout::suggested(beast::role_type::server));
+    stream_.read_message_max(server_->settings.body_bytes);
+    // Messages as they were put in, and no copies of large ones for masks that a server has not.
+    stream_.auto_fragment(false);
+  }
+
+  void accept(http::request<http::string_body> request, WebSocketAnswer answer) {
+    request_ = std::move(request);
+    if (!answer.subprotocol.empty()) {
+      stream_.set_option(beast::websocket::stream_base::decorator(
+          [protocol = answer.subprotocol](beast::websocket::response_type& response) {
+            response.set(http::field::sec_websocket_protocol, protocol);
+          }));
+    }
+    stream_.async_accept(request_, [self = shared_from_this(),
+                                    open = std::move(answer.open)](const error_code& error) {
+      if (self->over(error)) {
+        return;
+      }
+      self->owner_ = open(self);
+      self->open_ = true;
+      self->read();
+      self->wake();
+    });
+  }
+
+  void wake() override {
+    if (!open_ || ended_ || sending_.bytes) {
+      return;
+    }
+    sending_ = owner_.next();
+    if (!sending_.bytes) {
+      return;
+    }
+    stream_.text(sending_.text);
+    stream_.async_write(asio::buffer(*sending_.bytes),
+                        [self = shared_from_this()](const error_code& error, std::size_t) {
+                          if (self->over(error)) {
+                            return;
+                          }
+                          self->sending_ = {};
+                          self->wake();
+                        });
+  }
+
+  void close() override { end(); }
+
+  /// Ends the connection now; its owner is told.
+  void end() {
+    if (std::exchange(ended_, true)) {
+      return;
+    }
+    error_code ignored;
+    beast::get_lowest_layer(stream_).shutdown(AnySocket::shutdown_both, ignored);
+    beast::get_lowest_layer(stream_).close(ignored);
+    if (owner_.closed && !server_->stopped) {
+      owner_.closed();
+    }
+    // Its owner may be the one that is just called.
+    asio::post(stream_.get_executor(), [self = shared_from_this()] { self->forget_owner(); });
+    std::erase(server_->web_sockets, shared_from_this());
+  }
+  /// Who may hold it in turn.
+  void forget_owner() { owner_ = {}; }
+
+ private:
+  bool over(const error_code& error) {
+    if (error) {
+      end();
+    }
+    return ended_ || server_->stopped;
+  }
+
+  void read() {
+    stream_.async_read(buffer_, [self = shared_from_this()](const error_code& error, std::size_t) {
+      if (self->over(error)) {
+        return;
+      }
+      const auto bytes = self->buffer_.cdata();
+      self->owner_.received(self->stream_.got_text(),
+                            {static_cast<const char*>(bytes.data()), bytes.size()});
+      self->buffer_.consume(self->buffer_.size());
+      if (!self->ended_) {
+        self->read();
+      }
+    });
+  }
+
+  std::shared_ptr<State> server_;
+  beast::websocket::stream<AnySocket> stream_;
+  http::request<http::string_body> request_;
+  beast::flat_buffer buffer_;
+  Owner owner_;
+  WebSocketMessage sending_;
+  bool open_ = false;
+  bool ended_ = false;
 };
 
 /// One connection: read a request, answer it, read the next.
@@ -160,20 +268,45 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   }
 
   void answer() {
-    const auto request = parser_->release();
+    auto request = parser_->release();
     ++server_->requests;
     stream_.expires_never();
     const auto header = [&](http::field field) { return std::string(request[field]); };
+    const HttpRequest asked{std::string(request.method_string()),
+                            std::string(request.target()),
+                            request.body(),
+                            header(http::field::host),
+                            header(http::field::origin),
+                            header(http::field::authorization),
+                            header(http::field::sec_websocket_protocol)};
+    if (server_->web_socket_handler && beast::websocket::is_upgrade(request)) {
+      upgrade(std::move(request), asked);
+      return;
+    }
     server_->handler(
-        {std::string(request.method_string()), std::string(request.target()), request.body(),
-         header(http::field::host), header(http::field::origin),
-         header(http::field::authorization)},
+        asked,
         [self = weak_from_this(), version = request.version(), keep_alive = request.keep_alive(),
          head = request.method() == http::verb::head](const HttpResponse& response) {
           if (const auto session = self.lock(); session && !session->ended_) {
             session->write(response, version, keep_alive, head);
           }
         });
+  }
+
+  void upgrade(http::request<http::string_body> request, const HttpRequest& asked) {
+    WebSocketAnswer answer = server_->web_socket_handler(asked);
+    if (!answer.refusal && server_->web_sockets.size() >= server_->settings.clients_max) {
+      answer.refusal = {503, "text/plain", "all places for viewers are taken\n", {}, true};
+    }
+    if (answer.refusal) {
+      write(*answer.refusal, request.version(), request.keep_alive(), false);
+      return;
+    }
+    const auto socket = std::make_shared<Socket>(server_, stream_.release_socket());
+    server_->web_sockets.push_back(socket);
+    socket->accept(std::move(request), std::move(answer));
+    ended_ = true;
+    std::erase(server_->sessions, shared_from_this());
   }
 
   void write(const HttpResponse& response, unsigned version, bool keep_alive, bool head) {
@@ -185,6 +318,9 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
     }
     if (!response.allow.empty()) {
       response_.set(http::field::allow, response.allow);
+    }
+    for (const auto& [name, value] : response.headers) {
+      response_.set(name, value);
     }
     if (response.status != 204) {  // RFC 9110, 8.6: no Content-Length with 204
       if (!response.content_type.empty()) {
@@ -326,6 +462,14 @@ HttpServer::~HttpServer() {
   for (const auto& session : std::exchange(state_->sessions, {})) {
     session->end();
   }
+  for (const auto& socket : std::exchange(state_->web_sockets, {})) {
+    socket->end();
+    socket->forget_owner();
+  }
+}
+
+void HttpServer::on_web_socket(WebSocketHandler handler) {
+  state_->web_socket_handler = std::move(handler);
 }
 
 void HttpServer::start(Handler handler) {

@@ -11,6 +11,8 @@
 // for a header beyond the limits; the connection ends then. "Expect: 100-continue" is obeyed: a
 // client that asks sends a body only when its length is within the limit.
 //
+// A connection may become a WebSocket, where somebody is there for them (on_web_socket()).
+//
 // A test without a system calls the handler; there is no twin in memory.
 #pragma once
 
@@ -19,9 +21,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "drivers/endpoints.h"
+#include "drivers/web_socket.h"
 
 namespace rigwire::drivers {
 
@@ -33,7 +39,7 @@ struct HttpServerSettings {
   std::string server;  ///< Header "Server"; empty: none.
   std::size_t clients_max = 16;     ///< 1 .. 1024.
   std::size_t header_bytes = 8192;  ///< Of one request, 256 .. 64 KiB.
-  std::size_t body_bytes = 65536;   ///< Of one request, 256 .. 16 MiB.
+  std::size_t body_bytes = 65536;   ///< Of one request or one WebSocket message, 256 .. 16 MiB.
   /// For one request to arrive, for one answer to leave, and between two requests; 1 ms .. 1 h.
   std::chrono::milliseconds patience = std::chrono::seconds(10);
 };
@@ -45,6 +51,7 @@ struct HttpRequest {
   std::string host;           ///< Header "Host".
   std::string origin;         ///< Header "Origin": of the page that a browser asks for.
   std::string authorization;  ///< Header "Authorization".
+  std::string subprotocols;   ///< Header "Sec-WebSocket-Protocol".
 };
 
 struct HttpResponse {
@@ -53,6 +60,15 @@ struct HttpResponse {
   std::string body;          ///< Left out for a HEAD request and with status 204.
   std::string allow;         ///< Header "Allow"; empty: none.
   bool close = false;        ///< The connection ends after it.
+  std::vector<std::pair<std::string, std::string>> headers{};  ///< Further ones.
+};
+
+/// What becomes of a request for a WebSocket.
+struct WebSocketAnswer {
+  std::optional<HttpResponse> refusal;  ///< It stays HTTP. Nothing: it becomes one.
+  std::string subprotocol;              ///< Of those that were offered; empty: none is named.
+  /// Called once with the connection, whose owner is who it returns.
+  std::function<WebSocket::Owner(std::shared_ptr<WebSocket>)> open;
 };
 
 class HttpServer {
@@ -75,6 +91,10 @@ class HttpServer {
   void start(Handler handler);
   /// The same with answers that may take their time; a client is not closed while it waits for one.
   void start_patiently(PatientHandler handler);
+  /// Who is asked by a request to become a WebSocket; before start(). Without, they are requests as
+  /// others. As many as there are places for clients, beside those.
+  using WebSocketHandler = std::function<WebSocketAnswer(const HttpRequest&)>;
+  void on_web_socket(WebSocketHandler handler);
   [[nodiscard]] EndpointStatus status() const;
   /// The port that is bound; 0 with a path.
   [[nodiscard]] std::uint16_t port() const;
@@ -84,6 +104,7 @@ class HttpServer {
  private:
   struct State;
   class Session;
+  class Socket;
   std::shared_ptr<State> state_;
 };
 

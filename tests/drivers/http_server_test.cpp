@@ -9,6 +9,9 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/write.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket.hpp>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -380,6 +383,153 @@ TEST_F(HttpServerTest, OpeningSaysWhatIsWrongAndHowToMendIt) {
   settings.clients_max = 0;
   EXPECT_EQ(message_of([&] { HttpServer(context_, settings); }),
             "http server clients_max: found 0, allowed 1 .. 1024");
+}
+
+TEST_F(HttpServerTest, FurtherHeadersAreSent) {
+  response_.headers = {{"X-Content-Type-Options", "nosniff"}};
+  open();
+  auto one = client();
+  EXPECT_THAT(one.ask("GET / HTTP/1.1\r\nHost: x\r\n\r\n", "hello"),
+              HasSubstr("X-Content-Type-Options: nosniff\r\n"));
+}
+
+/// A server whose WebSocket sends what is in a list, and a client of Beast's.
+class WebSocketTest : public HttpServerTest {
+ protected:
+  using Stream = boost::beast::websocket::stream<tcp::socket>;
+
+  void open_web_sockets(HttpServerSettings settings = {}) {
+    settings.port = 0;
+    server_ = std::make_unique<HttpServer>(context_, settings);
+    server_->on_web_socket([this](const HttpRequest& request) {
+      requests_.push_back(request);
+      WebSocketAnswer answer;
+      if (request.target != "/stream") {
+        answer.refusal = {403, "text/plain", "no", {}, false};
+      }
+      answer.subprotocol = "b";
+      answer.open = [this](std::shared_ptr<WebSocket> socket) {
+        socket_ = std::move(socket);
+        return WebSocket::Owner{
+            [this] {
+              WebSocketMessage next;
+              if (!to_send_.empty()) {
+                next = {true, std::make_shared<const std::string>(to_send_.front())};
+                to_send_.erase(to_send_.begin());
+              }
+              return next;
+            },
+            [this](bool text, std::string_view bytes) {
+              received_.emplace_back(text ? "text " : "binary ");
+              received_.back() += bytes;
+            },
+            [this] { ++closed_; }};
+      };
+      return answer;
+    });
+    server_->start([this](const HttpRequest&) { return response_; });
+  }
+  std::unique_ptr<Stream> connect(const std::string& target = "/stream") {
+    auto stream = std::make_unique<Stream>(context_);
+    stream->next_layer().connect({asio::ip::address_v4::loopback(), server_->port()});
+    stream->set_option(boost::beast::websocket::stream_base::decorator(
+        [](boost::beast::websocket::request_type& request) {
+          request.set(boost::beast::http::field::sec_websocket_protocol, "a, b");
+        }));
+    bool done = false;
+    stream->async_handshake(answer_, "127.0.0.1", target,
+                            [&](const boost::system::error_code& error) {
+                              error_ = error;
+                              done = true;
+                            });
+    EXPECT_TRUE(wait([&] { return done; }));
+    return stream;
+  }
+  std::string read(Stream& stream) {
+    boost::beast::flat_buffer buffer;
+    bool done = false;
+    stream.async_read(buffer, [&](const boost::system::error_code& error, std::size_t) {
+      error_ = error;
+      done = true;
+    });
+    EXPECT_TRUE(wait([&] { return done; }));
+    return boost::beast::buffers_to_string(buffer.data());
+  }
+
+  std::shared_ptr<WebSocket> socket_;
+  std::vector<std::string> to_send_;
+  std::vector<std::string> received_;
+  int closed_ = 0;
+  boost::beast::websocket::response_type answer_;
+  boost::system::error_code error_;
+};
+
+TEST_F(WebSocketTest, MessagesGoBothWays) {
+  open_web_sockets();
+  to_send_ = {"one", "two"};
+  const auto stream = connect();
+  ASSERT_FALSE(error_) << error_.message();
+  EXPECT_EQ(answer_[boost::beast::http::field::sec_websocket_protocol], "b");
+  EXPECT_EQ(requests_.front().subprotocols, "a, b");
+  EXPECT_EQ(read(*stream), "one");
+  EXPECT_EQ(read(*stream), "two");
+  to_send_.emplace_back("three");
+  socket_->wake();
+  EXPECT_EQ(read(*stream), "three");
+  stream->binary(true);
+  stream->write(asio::buffer("hello", 5));
+  EXPECT_TRUE(wait([&] { return !received_.empty(); }));
+  EXPECT_EQ(received_, std::vector<std::string>{"binary hello"});
+}
+
+TEST_F(WebSocketTest, WhatIsRefusedStaysHttp) {
+  open_web_sockets();
+  connect("/elsewhere");
+  EXPECT_EQ(error_, boost::beast::websocket::error::upgrade_declined);
+  EXPECT_EQ(answer_.result_int(), 403U);
+  EXPECT_FALSE(socket_);
+  auto plain = client();
+  EXPECT_THAT(plain.ask("GET / HTTP/1.1\r\nHost: x\r\n\r\n", "hello"), HasSubstr("200 OK"));
+}
+
+TEST_F(WebSocketTest, TheOwnerIsToldOnceWhenTheClientLeaves) {
+  open_web_sockets();
+  auto stream = connect();
+  stream->next_layer().close();
+  EXPECT_TRUE(wait([&] { return closed_ == 1; }));
+  socket_->wake();
+  socket_->close();
+  run_for(context_, std::chrono::milliseconds(20));
+  EXPECT_EQ(closed_, 1);
+}
+
+TEST_F(WebSocketTest, AMessageBeyondTheLimitEndsTheConnection) {
+  HttpServerSettings settings;
+  settings.body_bytes = 256;
+  open_web_sockets(settings);
+  const auto stream = connect();
+  stream->write(asio::buffer(std::string(300, 'x')));
+  EXPECT_TRUE(wait([&] { return closed_ == 1; }));
+  EXPECT_TRUE(received_.empty());
+}
+
+TEST_F(WebSocketTest, WhenAllPlacesAreTakenANewcomerIsRefused) {
+  HttpServerSettings settings;
+  settings.clients_max = 1;
+  open_web_sockets(settings);
+  const auto first = connect();
+  ASSERT_FALSE(error_);
+  connect();
+  EXPECT_EQ(answer_.result_int(), 503U);
+}
+
+TEST_F(WebSocketTest, TheServersEndIsTheConnectionsEnd) {
+  open_web_sockets();
+  const auto stream = connect();
+  server_.reset();
+  read(*stream);
+  EXPECT_TRUE(error_);
+  EXPECT_EQ(closed_, 0);
 }
 
 }  // namespace

@@ -559,12 +559,17 @@ Scene::MeshId Scene::Internals::add_meshes(std::string name,
       paints[i] = static_cast<std::uint32_t>(painted.size());
     }
   }
+  std::vector<std::size_t> part_triangles;
+  for (std::size_t i = 0; !surfaces.empty() && i < parts.size(); ++i) {
+    part_triangles.push_back(parts[i]->triangles.size());
+  }
   meshes.push_back({std::move(inner),
                     std::move(name),
                     std::move(surfaces),
                     parts.front()->triangles.size(),
                     {},
-                    std::move(paints)});
+                    std::move(paints),
+                    std::move(part_triangles)});
   return static_cast<MeshId>(meshes.size() - 1);
 }
 

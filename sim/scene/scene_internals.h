@@ -158,6 +158,7 @@ struct Scene::Internals {
     /// What was taken out: first triangle and number, as the mesh was; in order.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> taken_out{};
     std::vector<std::uint32_t> painted{};  ///< Of each part, as Instance::painted; empty: none.
+    std::vector<std::size_t> part_triangles{};  ///< Of a model's parts, how many each has.
   };
   /// A masked mesh, for Embree's filter: where the corners of each triangle lie in the mask.
   struct MaskedSurface {

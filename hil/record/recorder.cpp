@@ -38,17 +38,14 @@ pcapng::IpEnd end_of(const drivers::IpEnd& end) {
   return {end.address, end.port};
 }
 
-std::string timestamp(const RecordedRun& run, SimTime at) {
-  const std::int64_t ns = run.start_unix_ns + at.time_since_epoch().count();
-  return fmt::format(R"({{"sec":{},"nsec":{}}})", ns / 1'000'000'000, ns % 1'000'000'000);
-}
-
 }  // namespace
 
 /// Lays out what passes on one wire.
 class Recorder::Wire final : public WireTap {
  public:
-  Wire(Recorder& recorder, std::string name) : recorder_(recorder), name_(std::move(name)) {}
+  /// `further`: who is told as well; may be null.
+  Wire(Recorder& recorder, std::string name, WireTap* further)
+      : recorder_(recorder), name_(std::move(name)), further_(further) {}
 
   /// Where it stands in the recording that begins; nothing: it is not wanted there.
   void begin(std::optional<std::uint16_t> track) {
@@ -62,10 +59,19 @@ class Recorder::Wire final : public WireTap {
     }
   }
 
-  void sent(SimTime at, const WirePiece& piece) override { put(at, 0, piece); }
-  void carried(SimTime at, const WirePiece& piece) override { put(at, kInbound, piece); }
+  void sent(SimTime at, const WirePiece& piece) override {
+    pass_on([&](WireTap& tap) { tap.sent(at, piece); });
+    put(at, 0, piece);
+  }
+  void carried(SimTime at, const WirePiece& piece) override {
+    pass_on([&](WireTap& tap) { tap.carried(at, piece); });
+    put(at, kInbound, piece);
+  }
   void received(const WirePiece& piece) override;
-  void lost(SimTime at) override { write(kWireLost, at, {}); }
+  void lost(SimTime at) override {
+    pass_on([&](WireTap& tap) { tap.lost(at); });
+    write(kWireLost, at, {});
+  }
   void note(SimTime at, std::string_view text) {
     write(kWireNote, at, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
@@ -82,6 +88,12 @@ class Recorder::Wire final : public WireTap {
     std::array<bool, 2> ended{};  ///< By side.
   };
 
+  template <class Tell>
+  void pass_on(const Tell& tell) {
+    if (further_ != nullptr) {
+      tell(*further_);
+    }
+  }
   [[nodiscard]] bool records(SimTime at) const { return track_ && recorder_.records(at); }
   void write(std::uint8_t flags, SimTime at, std::span<const std::uint8_t> bytes) {
     if (records(at)) {
@@ -130,6 +142,7 @@ class Recorder::Wire final : public WireTap {
 
   Recorder& recorder_;
   std::string name_;
+  WireTap* further_;
   std::optional<std::uint16_t> track_;
   std::optional<std::string> end_;
   bool client_open_ = false;
@@ -256,6 +269,7 @@ class Recorder::Arrivals final : public Outlet {
 void Recorder::Wire::received(const WirePiece& piece) {
   const SimTime now = recorder_.executive_->now();
   recorder_.clients_acted_ = true;
+  pass_on([&](WireTap& tap) { tap.received(piece); });
   watch(now, piece);
   if (!records(now)) {
     return;
@@ -389,54 +403,21 @@ class Recorder::Truth final : public TruthObserver {
  public:
   Truth(Recorder& recorder, const Calendar& calendar, std::span<const sim::TruthField> fields,
         std::span<const std::string_view> links)
-      : recorder_(recorder),
-        calendar_(calendar),
-        fields_(fields.begin(), fields.end()),
-        links_(links.begin(), links.end()),
-        joints_(fields, links) {}
+      : recorder_(recorder), messages_(recorder.run_.start_unix_ns, calendar, fields, links) {}
 
   void record(const TruthRecord& record) override {
-    if (!recorder_.records_truth(record.time)) {
-      return;
-    }
-    recorder_.put(TruthTrack::truth, record.time, truth_line(record, calendar_, fields_));
-    const std::string stamp = timestamp(recorder_.run_, record.time);
-    text_ = R"({"transforms":[)";
-    for (std::size_t i = 0; i < links_.size() && i < record.links.size(); ++i) {
-      const Eigen::Vector3d p = record.links[i].X_WL.translation();
-      const Eigen::Quaterniond q(record.links[i].X_WL.linear());
-      fmt::format_to(std::back_inserter(text_),
-                     R"({}{{"timestamp":{},"parent_frame_id":"world","child_frame_id":{},)"
-                     R"("translation":{{"x":{:.12g},"y":{:.12g},"z":{:.12g}}},)"
-                     R"("rotation":{{"x":{:.12g},"y":{:.12g},"z":{:.12g},"w":{:.12g}}}}})",
-                     i == 0 ? "" : ",", stamp, Json(links_[i]).dump(), p.x(), p.y(), p.z(), q.x(),
-                     q.y(), q.z(), q.w());
-    }
-    text_ += "]}";
-    recorder_.put(TruthTrack::transforms, record.time, text_);
-    recorder_.put(TruthTrack::motion, record.time, motion_line(record, links_));
-    if (!joints_.empty()) {
-      recorder_.put(TruthTrack::joints, record.time, joints_.line(record.machine, stamp));
-    }
-    for (const AntennaTruth& antenna : record.antennas) {
-      text_.clear();
-      fmt::format_to(std::back_inserter(text_),
-                     R"({{"timestamp":{},"frame_id":{},"latitude":{:.10f},"longitude":{:.10f},)"
-                     R"("altitude":{:.4f},"position_covariance":[0,0,0,0,0,0,0,0,0],)"
-                     R"("position_covariance_type":0}})",
-                     stamp, Json(std::string(antenna.device)).dump(), antenna.place.latitude_deg,
-                     antenna.place.longitude_deg, antenna.place.ellipsoid_height_m);
-      recorder_.put(TruthTrack::location, record.time, text_);
+    if (recorder_.records_truth(record.time)) {
+      messages_.tell(
+          record, [](TruthTrack) { return true; },
+          [this](TruthTrack track, SimTime at, std::string_view text) {
+            recorder_.put(track, at, text);
+          });
     }
   }
 
  private:
   Recorder& recorder_;
-  Calendar calendar_;
-  std::vector<sim::TruthField> fields_;
-  std::vector<std::string> links_;
-  JointNames joints_;
-  std::string text_;
+  TruthMessages messages_;
 };
 
 Recorder::Recorder(RecordedRun run, std::chrono::milliseconds patience, OutputFailures& failures,
@@ -468,7 +449,8 @@ WireTap& Recorder::add_wire(const std::string& name, WireKind kind, const std::s
     unique += kSuffixes[static_cast<std::size_t>(kind)];
   }
   about_.push_back({unique, kind, address});
-  wires_.push_back(std::make_unique<Wire>(*this, unique));
+  WireTap* const further = wire_user_ ? &wire_user_(unique, kind) : nullptr;
+  wires_.push_back(std::make_unique<Wire>(*this, unique, further));
   return *wires_.back();
 }
 
@@ -604,21 +586,13 @@ void Recorder::hear(const RunEvent& event) {
   const bool of_itself =
       event.kind == EventKind::recording_began || event.kind == EventKind::recording_ended;
   if (!of_itself && truth_on_.load(std::memory_order_acquire)) {
-    const std::string text = event_text(
-        event.at, event.level, kEventKinds[static_cast<std::size_t>(event.kind)], event.text);
+    const std::string text =
+        log_message(run_.start_unix_ns, event.at, event.level,
+                    kEventKinds[static_cast<std::size_t>(event.kind)], event.text);
     // Whoever reports that there is no room tells an event.
     put(static_cast<std::uint16_t>(TruthTrack::events), 0, event.at,
         {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
-}
-
-std::string Recorder::event_text(SimTime at, LogLevel level, std::string_view name,
-                                 std::string_view text) const {
-  const Json json{{"message", text}, {"name", name}, {"file", ""}, {"line", 0}};
-  // As foxglove.Log counts them: 1 debug, 2 info, 3 warning, 4 error.
-  std::string members = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  return fmt::format(R"({{"timestamp":{},"level":{},{})", timestamp(run_, at),
-                     static_cast<int>(level) + 1, members.substr(1));
 }
 
 void Recorder::write_all() {
@@ -632,7 +606,8 @@ void Recorder::write_all() {
       while (!trouble_.empty()) {
         const auto [level, what] = std::move(trouble_.front());
         trouble_.pop_front();
-        const std::string text = event_text(entry.at, level, "recording", what);
+        const std::string text =
+            log_message(run_.start_unix_ns, entry.at, level, "recording", what);
         writer_->write({static_cast<std::uint16_t>(TruthTrack::events),
                         0,
                         entry.at,

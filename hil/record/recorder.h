@@ -87,6 +87,10 @@ class Recorder {
   /// apart by the wire's kind.
   [[nodiscard]] WireTap& add_wire(const std::string& name, WireKind kind,
                                   const std::string& address);
+  /// Who is told of each wire that is added from now on, too, whether it is recorded or not. Before
+  /// the first.
+  using WireUser = std::function<WireTap&(const std::string& wire, WireKind kind)>;
+  void pass_on(WireUser user) { wire_user_ = std::move(user); }
   /// That outlet is of the wire of that tap, which add_wire() returned.
   void join(WireTap& tap, QueuedOutlet& outlet) const;
   /// Who is given each outlet that joins, with the name of its wire. Before the first.
@@ -152,8 +156,6 @@ class Recorder {
            at <= until_.load();
   }
   void hear(const RunEvent& event);
-  [[nodiscard]] std::string event_text(SimTime at, LogLevel level, std::string_view name,
-                                       std::string_view text) const;
   void write_all();
   /// The writer has written all that there was.
   void end_thread();
@@ -174,6 +176,7 @@ class Recorder {
   std::vector<RecordedWire> about_;  ///< Of all wires.
   std::vector<std::unique_ptr<Wire>> wires_;
   OutletUser outlet_user_;
+  WireUser wire_user_;
   std::unique_ptr<Arrivals> arrivals_;
   std::unique_ptr<Watch> watch_;
   RecordQueue queue_;

@@ -34,6 +34,7 @@
 #include "hil/record/lidar_clouds.h"
 #include "hil/record/record_queue.h"
 #include "hil/record/recording_file.h"
+#include "hil/record/truth_messages.h"
 #include "hil/wires/wire_tap.h"
 #include "protocols/mcap/mcap.h"
 #include "protocols/pcapng/pcapng.h"
@@ -66,18 +67,6 @@ struct RecordedWire {
   std::string address;  ///< What a client opens.
 };
 
-/// Channels of the MCAP file, which are the first tracks of a recording.
-enum class TruthTrack : std::uint16_t {
-  truth,
-  transforms,
-  location,
-  statistics,
-  events,
-  motion,
-  joints,
-  points
-};
-inline constexpr std::uint16_t kTruthTracks = 8;
 /// Of lines of commands.log, without the instant.
 inline constexpr std::uint16_t kCommandTrack = kTruthTracks;
 /// The track of a wire by its index.

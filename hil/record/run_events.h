@@ -79,9 +79,11 @@ class RunEvents final : public EventSource {
 
   /// Who hears of each event when it gets its number, on the thread that tells it; must tell none.
   using Listener = std::function<void(const RunEvent&)>;
-  /// The recorder and the desk. Empty: it hears no more; returns when it is not being told.
+  /// The recorder, the desk and the stream. Empty: it hears no more; returns when it is not being
+  /// told.
   void inform(Listener listener) { inform(0, std::move(listener)); }
   void inform_desk(Listener listener) { inform(1, std::move(listener)); }
+  void inform_stream(Listener listener) { inform(2, std::move(listener)); }
 
   [[nodiscard]] SimTime next_event() const override {
     return next_.load(std::memory_order_acquire);
@@ -99,7 +101,7 @@ class RunEvents final : public EventSource {
   std::uint64_t last_ = 0;
   std::deque<RunEvent> ahead_;
   std::atomic<SimTime> next_{kNever};  ///< Of what was told ahead.
-  std::array<Listener, 2> listeners_;
+  std::array<Listener, 3> listeners_;
 };
 
 }  // namespace rigwire::hil

@@ -161,6 +161,7 @@ struct Parsed {
   std::optional<std::string> patience;
   std::optional<int> ready_fd;
   std::vector<std::string> request;
+  bool dashboard = false;
   bool dry_run = false;
   bool print = false;
   bool json = false;
@@ -236,6 +237,8 @@ void declare(CLI::App& app, Parsed& parsed) {
   run_app->add_option("--status", parsed.status, "live, plain or none");
   run_app->add_option("--control", parsed.control,
                       "Where the run is governed from (rigwire ctl): unix:FILE or 127.0.0.1:PORT");
+  run_app->add_flag("--dashboard", parsed.dashboard,
+                    "A page that shows the run, for a browser; its address is told in the log");
   run_app
       ->add_option("--isolated", parsed.isolated,
                    "Wires, addresses and files of its own, in a folder that is new or empty:\n"
@@ -583,11 +586,12 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
     if (!options.control) {
       return refuse_control(parsed.control, "--control", terminal, "run");
     }
-    options.control_token = token_of_environment();
-  } else if (clock->kind == ClockMode::Kind::step) {
+  } else if (clock->kind == ClockMode::Kind::step && !parsed.dashboard) {
     return usage("--clock step: nobody could move time on, found no --control", terminal.err,
                  "run");
   }
+  options.control_token = token_of_environment();
+  options.dashboard = parsed.dashboard;
   options.ready_descriptor = parsed.ready_fd;
   if (parsed.duration) {
     options.duration = parse_duration(*parsed.duration);

@@ -91,6 +91,7 @@ struct RecordCommand {
   std::string folder;             ///< Where it begins.
   std::vector<std::string> only;  ///< Names of wires, or "truth"; empty: everything.
   bool stop = false;              ///< The one that is on its way ends.
+  bool confined = false;          ///< No key: whether who asks may write into one folder only.
 };
 struct SetCommand {
   static constexpr fields::Named kNamed{

@@ -60,7 +60,7 @@ bool same(std::string_view found, std::string_view wanted) {
 
 /// What is served where; dispatch, refusals and the description are made of it.
 struct Door {
-  using Serve = void (*)(Desk& desk, const drivers::HttpRequest& request,
+  using Serve = void (*)(Desk& desk, const drivers::HttpRequest& request, Desk::Asker asker,
                          const drivers::HttpServer::Respond& respond);
 
   std::string_view method;
@@ -79,23 +79,23 @@ Desk::Answer answer_with(const drivers::HttpServer::Respond& respond) {
 
 constexpr std::array<Door, 5> kDoors{{
     {"POST", "/command", "A command of the run.", kJson, true,
-     [](Desk& desk, const auto& request, const auto& respond) {
-       desk.carry_out(request.body, "the request", answer_with(respond));
+     [](Desk& desk, const auto& request, Desk::Asker asker, const auto& respond) {
+       desk.carry_out(request.body, "the request", answer_with(respond), asker);
      }},
     {"GET", "/state", StateCommand::kNamed.text, kJson, true,
-     [](Desk& desk, const auto&, const auto& respond) {
+     [](Desk& desk, const auto&, Desk::Asker, const auto& respond) {
        desk.carry_out(Request{StateCommand{}}, answer_with(respond));
      }},
     {"GET", "/read", ReadCommand::kNamed.text, kJson, true,
-     [](Desk& desk, const auto&, const auto& respond) {
+     [](Desk& desk, const auto&, Desk::Asker, const auto& respond) {
        desk.carry_out(Request{ReadCommand{}}, answer_with(respond));
      }},
     {"GET", "/metrics", "Counters and lateness of the run.", kPrometheus, false,
-     [](Desk& desk, const auto&, const auto& respond) {
+     [](Desk& desk, const auto&, Desk::Asker, const auto& respond) {
        respond({200, kPrometheus, desk.metrics(), {}, false});
      }},
     {"GET", "/openapi.json", "This description.", kJson, false,
-     [](Desk&, const auto&, const auto& respond) {
+     [](Desk&, const auto&, Desk::Asker, const auto& respond) {
        respond({200, kJson, control_api(), {}, false});
      }},
 }};
@@ -132,12 +132,16 @@ std::string fresh_token() {
 }
 
 ControlServer::ControlServer(boost::asio::io_context& io, const ControlEndpoint& endpoint,
-                             std::string token, Desk& desk)
+                             std::string token, Desk& desk, Dashboard* dashboard)
     : endpoint_(endpoint),
       token_(std::move(token)),
       desk_(desk),
+      dashboard_(endpoint.path.empty() ? dashboard : nullptr),
       server_(io, server_settings(endpoint)) {
   endpoint_.port = server_.port();
+  if (dashboard_ != nullptr) {
+    server_.on_web_socket([this](const drivers::HttpRequest& request) { return admit(request); });
+  }
   server_.start_patiently(
       [this](const drivers::HttpRequest& request, const drivers::HttpServer::Respond& respond) {
         serve(request, respond);
@@ -149,9 +153,13 @@ std::string ControlServer::address() const {
                                 : "unix:" + endpoint_.path;
 }
 
-std::optional<drivers::HttpResponse> ControlServer::objection(
+std::string ControlServer::page_address() const {
+  return fmt::format("http://{}/#{}", address(), token_);
+}
+
+std::optional<drivers::HttpResponse> ControlServer::objection_to_origin(
     const drivers::HttpRequest& request) const {
-  if (!request.origin.empty()) {
+  if (dashboard_ == nullptr && !request.origin.empty()) {
     return complaint(403, "requests of pages are not served (header Origin)");
   }
   if (!endpoint_.path.empty()) {
@@ -160,14 +168,78 @@ std::optional<drivers::HttpResponse> ControlServer::objection(
   if (request.host != address() && request.host != fmt::format("localhost:{}", endpoint_.port)) {
     return complaint(403, "another Host than " + address());
   }
-  if (!same(request.authorization, "Bearer " + token_)) {
+  if (!request.origin.empty() && request.origin != "http://" + request.host) {
+    return complaint(403, "requests of other pages are not served (header Origin)");
+  }
+  return std::nullopt;
+}
+
+std::optional<drivers::HttpResponse> ControlServer::objection(
+    const drivers::HttpRequest& request) const {
+  if (auto refusal = objection_to_origin(request)) {
+    return refusal;
+  }
+  if (endpoint_.path.empty() && !same(request.authorization, "Bearer " + token_)) {
     return complaint(401, "no \"Authorization: Bearer TOKEN\" with the run's token");
   }
   return std::nullopt;
 }
 
+std::optional<drivers::HttpResponse> ControlServer::page(
+    const drivers::HttpRequest& request) const {
+  const PageFile* const file =
+      dashboard_ == nullptr ? nullptr : dashboard_->files().find(request.target);
+  if (file == nullptr) {
+    return std::nullopt;
+  }
+  if (auto refusal = objection_to_origin(request)) {
+    return refusal;
+  }
+  if (request.method != "GET" && request.method != "HEAD") {
+    drivers::HttpResponse refusal = complaint(405, "allowed GET " + request.target);
+    refusal.allow = "GET, HEAD";
+    return refusal;
+  }
+  drivers::HttpResponse response{200, file->type, file->content, {}, false};
+  response.headers = {
+      {"Content-Security-Policy",
+       fmt::format("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: "
+                   "blob:; connect-src 'self' ws://{}; base-uri 'none'; form-action 'none'; "
+                   "frame-ancestors 'none'",
+                   request.host)},
+      {"X-Content-Type-Options", "nosniff"},
+      {"Referrer-Policy", "no-referrer"},
+      {"Cross-Origin-Resource-Policy", "same-origin"},
+      {"Cache-Control", "no-cache"}};
+  return response;
+}
+
+drivers::WebSocketAnswer ControlServer::admit(const drivers::HttpRequest& request) {
+  drivers::WebSocketAnswer answer;
+  constexpr std::string_view kStream = "/stream";
+  constexpr std::string_view kToken = "?token=";
+  const std::string_view target = request.target;
+  const std::string_view path = target.substr(0, target.find('?'));
+  const std::string_view query = target.substr(path.size());
+  if (auto refusal = objection_to_origin(request)) {
+    answer.refusal = std::move(refusal);
+  } else if (path != kStream) {
+    answer.refusal = complaint(404, fmt::format("allowed {} as a WebSocket", kStream));
+  } else if (!same(request.authorization, "Bearer " + token_) &&
+             !(query.starts_with(kToken) && same(query.substr(kToken.size()), token_))) {
+    answer.refusal = complaint(401, "no ?token=TOKEN with the run's token");
+  } else {
+    return dashboard_->viewers().admit(request);
+  }
+  return answer;
+}
+
 void ControlServer::serve(const drivers::HttpRequest& request,
                           const drivers::HttpServer::Respond& respond) {
+  if (const auto response = page(request)) {
+    respond(*response);
+    return;
+  }
   if (const auto refusal = objection(request)) {
     respond(*refusal);
     return;
@@ -189,7 +261,8 @@ void ControlServer::serve(const drivers::HttpRequest& request,
     respond(refusal);
     return;
   }
-  door->serve(desk_, request, respond);
+  door->serve(desk_, request, endpoint_.path.empty() ? Desk::Asker::anybody : Desk::Asker::owner,
+              respond);
 }
 
 namespace {

@@ -13,6 +13,16 @@
 // that no name server makes a page's own address out of it. A request with the header Origin, which
 // browsers set for pages of elsewhere, is refused everywhere.
 //
+// With a dashboard, at a port:
+//
+//   GET  /             the run's page, and the files that it brings in (hil/control/page_files.h)
+//   GET  /stream       a WebSocket: the run's stream (hil/stream/viewers.h)
+//
+// The page itself needs no token, since it tells nothing of the run; what it asks does. A
+// WebSocket, to which pages can give no header, has it in the query (?token=TOKEN). Origin may be
+// the server's own address then. The page may load nothing from elsewhere and runs no script but
+// those files (Content-Security-Policy).
+//
 // On the thread that runs the executive; clients that do not read are closed
 // (drivers/http_server.h).
 #pragma once
@@ -23,6 +33,7 @@
 #include <string_view>
 
 #include "drivers/http_server.h"
+#include "hil/control/dashboard.h"
 #include "hil/control/desk.h"
 
 namespace rigwire::hil {
@@ -39,22 +50,32 @@ struct ControlEndpoint {
 
 class ControlServer {
  public:
-  /// `token`: of requests at a port. The desk must outlive it. Throws drivers::EndpointError.
+  /// `token`: of requests at a port. The desk must outlive it, and the dashboard, which may be
+  /// null. Throws drivers::EndpointError.
   ControlServer(boost::asio::io_context& io, const ControlEndpoint& endpoint, std::string token,
-                Desk& desk);
+                Desk& desk, Dashboard* dashboard = nullptr);
 
   /// "unix:/tmp/control" or "127.0.0.1:40123", as `rigwire ctl` takes it.
   [[nodiscard]] std::string address() const;
+  /// "http://127.0.0.1:40123/#TOKEN": what a browser opens.
+  [[nodiscard]] std::string page_address() const;
 
  private:
   void serve(const drivers::HttpRequest& request, const drivers::HttpServer::Respond& respond);
   /// Why it is not served; nothing when it is.
   [[nodiscard]] std::optional<drivers::HttpResponse> objection(
       const drivers::HttpRequest& request) const;
+  /// The same but for the token.
+  [[nodiscard]] std::optional<drivers::HttpResponse> objection_to_origin(
+      const drivers::HttpRequest& request) const;
+  [[nodiscard]] std::optional<drivers::HttpResponse> page(
+      const drivers::HttpRequest& request) const;
+  [[nodiscard]] drivers::WebSocketAnswer admit(const drivers::HttpRequest& request);
 
   ControlEndpoint endpoint_;
   std::string token_;
   Desk& desk_;
+  Dashboard* dashboard_;
   drivers::HttpServer server_;
 };
 

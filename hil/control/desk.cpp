@@ -38,7 +38,12 @@ Json json_of(const DeviceStatus& device) {
             {"frames", device.frames},
             {"bytes", device.bytes},
             {"dropped", device.dropped},
+            {"nominal_rate_hz", device.nominal_rate_hz},
+            {"lateness_p50_us", 1e6 * to_seconds(device.lateness_p50)},
+            {"lateness_p99_us", 1e6 * to_seconds(device.lateness_p99)},
+            {"lateness_max_us", 1e6 * to_seconds(device.lateness_max)},
             {"client_present", device.client_present},
+            {"readers", device.readers},
             {"last_request", nullptr}};
   if (device.last_request) {
     json["last_request"] = {{"time_ns", nanoseconds(device.last_request->at)},
@@ -141,8 +146,11 @@ std::optional<Request> Desk::read(const std::string& text, const std::string& na
   return std::nullopt;
 }
 
-void Desk::carry_out(const std::string& text, const std::string& name, Answer answer) {
-  if (const auto request = read(text, name, answer)) {
+void Desk::carry_out(const std::string& text, const std::string& name, Answer answer, Asker asker) {
+  if (auto request = read(text, name, answer)) {
+    if (auto* const record = std::get_if<RecordCommand>(&request->command)) {
+      record->confined = asker == Asker::anybody;
+    }
     carry_out(*request, std::move(answer));
   }
 }
@@ -292,8 +300,13 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
   for (const FaultWindow& fault : status.faults) {
     faults.push_back(json_of(fault));
   }
-  done(answer,
-       {{"machine", machine()}, {"devices", std::move(devices)}, {"faults", std::move(faults)}});
+  done(answer, {{"machine", machine()},
+                {"devices", std::move(devices)},
+                {"faults", std::move(faults)},
+                {"slipped_s", to_seconds(status.slipped)},
+                {"recording", run_.recorder != nullptr && run_.recorder->folder()
+                                  ? Json(printable(*run_.recorder->folder()))
+                                  : Json(nullptr)}});
 }
 
 void Desk::act(const WaitCommand& command, const Answer& answer) {
@@ -472,7 +485,7 @@ void Desk::act(const RecordCommand& command, const Answer& answer) {
 void Desk::begin_recording(const RecordCommand& command, const Answer& answer) {
   namespace fs = std::filesystem;
   fs::path folder = fs::path(command.folder).lexically_normal();
-  if (!run_.records_below.empty()) {
+  if (command.confined) {
     const bool outside = folder.is_absolute() || std::ranges::count(folder, fs::path("..")) != 0;
     if (outside || folder == ".") {
       refuse(answer, Reply::Outcome::refused,
@@ -661,7 +674,19 @@ Json Desk::machine() const {
   for (std::size_t i = 0; i < run_.quantities.size() && i < state.size(); ++i) {
     values[run_.quantities[i].name] = {{"value", state[i]}, {"unit", run_.quantities[i].unit}};
   }
-  return {{"time_ns", nanoseconds(executive_.frontier())}, {"quantities", std::move(values)}};
+  Json settable = Json::array();
+  if (run_.hand != nullptr) {
+    for (const HandSettings::Row& row : run_.hand->settings().rows()) {
+      Json& told = settable.emplace_back(Json{{"name", row.name}});
+      if (row.kind == HandSettings::Kind::opening) {
+        told["least"] = -1;
+        told["most"] = 1;
+      }
+    }
+  }
+  return {{"time_ns", nanoseconds(executive_.frontier())},
+          {"quantities", std::move(values)},
+          {"settable", std::move(settable)}};
 }
 
 void Desk::done(const Answer& answer, Json more) {

@@ -68,7 +68,7 @@ struct GovernedRun {
   Recorder* recorder = nullptr;     ///< Null: it cannot be recorded.
   Hand* hand = nullptr;             ///< Null: there are no sticks.
   RigSettings* settings = nullptr;  ///< Null: no device is told anything.
-  /// Folders of recordings are made below it and nowhere else; empty: anywhere.
+  /// Below it, and nowhere else, folders of recordings are made for who may be anybody.
   std::filesystem::path records_below{};
 };
 
@@ -83,8 +83,14 @@ class Desk final : public EventSource {
 
   /// `answer` may be called before this returns.
   void carry_out(const Request& request, Answer answer);
+  /// Whose request it is.
+  enum class Asker {
+    owner,    ///< This user.
+    anybody,  ///< Who has the token of a port.
+  };
   /// The same from text, JSON or YAML; `name` stands for it in messages.
-  void carry_out(const std::string& text, const std::string& name, Answer answer);
+  void carry_out(const std::string& text, const std::string& name, Answer answer,
+                 Asker asker = Asker::owner);
   /// The same at that instant, whatever the text says of it.
   void carry_out_at(SimTime at, const std::string& text, const std::string& name, Answer answer);
   [[nodiscard]] std::string metrics() const { return run_.metrics(); }

@@ -17,6 +17,7 @@
 #include "drivers/endpoints.h"
 #include "drivers/loopback_claims.h"
 #include "fields/check.h"
+#include "hil/control/dashboard.h"
 #include "hil/control/desk.h"
 #include "hil/control/ready.h"
 #include "hil/files/new_folder.h"
@@ -166,7 +167,7 @@ TruthFiles truth_files(const RigConfiguration& configuration, const RunOptions& 
 std::unique_ptr<Recorder> make_recorder(const RigConfiguration& configuration,
                                         const RunOptions& options, const std::string& hash,
                                         OutputFailures& failures, RunEvents& events) {
-  if (options.record.folder.empty() && !options.control) {
+  if (options.record.folder.empty() && !options.control && !options.dashboard) {
     return nullptr;
   }
   if (!options.record.folder.empty()) {
@@ -205,11 +206,15 @@ struct Isolated {
 
 /// Every wire is open.
 void tell_ready(const RunOptions& options, const Rig& rig, const std::string& hash,
-                const Isolated* isolated, const std::string& control, const std::string& token) {
+                const Isolated* isolated, const ControlServer* control, const ControlServer* page,
+                const std::string& token) {
   nlohmann::ordered_json line{{"ready", true}, {"pid", ::getpid()}};
-  if (!control.empty()) {
-    line["control"] = control;
+  if (control != nullptr) {
+    line["control"] = control->address();
     line["token"] = options.control->path.empty() ? nlohmann::ordered_json(token) : nullptr;
+  }
+  if (page != nullptr) {
+    line["dashboard"] = page->page_address();
   }
   for (const DeviceStatus& device : rig.status().devices) {
     line["devices"][device.name] = device.wire;
@@ -251,12 +256,19 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     report_file.emplace("the report", options.report_path);
   }
   // Before a device saves what it is told.
-  const bool is_told = report_file || options.onlooker || options.control || isolated ||
-                       !options.record.folder.empty();
+  const bool is_told = report_file || options.onlooker || options.control || options.dashboard ||
+                       isolated || !options.record.folder.empty();
   const std::string hash = is_told ? config_hash(configuration) : std::string();
   RunEvents events;
   const std::unique_ptr<Recorder> recorder =
       make_recorder(configuration, options, hash, failures, events);
+  std::optional<RunStream> stream;
+  if (options.dashboard) {
+    stream.emplace(io, streamed_run(wired, fresh_token()));
+    recorder->pass_on([&stream](const std::string& wire, WireKind kind) -> WireTap& {
+      return stream->add_wire(wire, kind);
+    });
+  }
   auto rig = std::make_unique<Rig>(wired, io, truth_files(wired, options, failures), &log,
                                    OwnEnds{}, recorder.get());
   log.inform([&events, &rig](LogLevel level, std::string_view text) {
@@ -284,10 +296,17 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
          [&interrupts] { interrupts.end_by(SIGPIPE); },
          [&failures](const std::string& what) { failures.report(what); }});
   }
+  std::optional<Dashboard> dashboard;
+  if (stream) {
+    dashboard.emplace(io, *stream, *rig, wired, options.duration);
+    events.inform_stream([&stream](const RunEvent& event) { stream->tell(event); });
+  }
   std::optional<Desk> desk;
   std::optional<ControlServer> server;
-  if (options.control) {
-    const std::string token = options.control_token.empty() ? fresh_token() : options.control_token;
+  std::optional<ControlServer> page_server;  // where the control is at no port
+  const ControlServer* page = nullptr;
+  const std::string token = options.control_token.empty() ? fresh_token() : options.control_token;
+  if (options.control || dashboard) {
     desk.emplace(io, rig->executive(),
                  GovernedRun{configuration.name, configuration.seed, hash, options.clock,
                              rig->truth().state_quantities(), [&rig] { return rig->status(); },
@@ -297,18 +316,24 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
                                                               rig->executive().outcome()));
                              },
                              &events, recorder.get(), &rig->hand(), &rig->settings(),
-                             // Who has a port's token need not be this user.
-                             options.control->path.empty()
-                                 ? (isolated ? isolated->folder : std::filesystem::current_path())
-                                 : std::filesystem::path()});
-    server.emplace(io, *options.control, token, *desk);
+                             isolated ? isolated->folder : std::filesystem::current_path()});
+  }
+  if (dashboard) {
+    dashboard->serve(*desk);
+  }
+  if (options.control) {
+    server.emplace(io, *options.control, token, *desk, dashboard ? &*dashboard : nullptr);
     log.info(options.control->path.empty()
                  ? fmt::format("control at {}, token {}", server->address(), token)
                  : "control at " + server->address());
-    tell_ready(options, *rig, hash, isolated ? &*isolated : nullptr, server->address(), token);
-  } else {
-    tell_ready(options, *rig, hash, isolated ? &*isolated : nullptr, "", "");
   }
+  if (dashboard) {
+    const bool own = !options.control || !options.control->path.empty();
+    page = own ? &page_server.emplace(io, ControlEndpoint{}, token, *desk, &*dashboard) : &*server;
+    log.info("dashboard at " + page->page_address());
+  }
+  tell_ready(options, *rig, hash, isolated ? &*isolated : nullptr, server ? &*server : nullptr,
+             page, token);
   const RunOutcome outcome = execute(*rig, configuration, options, log, events);
   if (desk) {
     desk->end();
@@ -319,6 +344,10 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   report.truth = rig->truth().stages();
   interrupts.govern(nullptr);
   log.inform({});
+  events.inform_stream({});
+  page_server.reset();  // nobody looks on at a rig that is gone
+  server.reset();
+  dashboard.reset();
   if (recorder) {
     recorder->finish(outcome.reached);
   }

@@ -66,8 +66,11 @@ struct RunOptions {
   std::optional<ControlEndpoint> control;  ///< Where it is governed from; nothing: nowhere.
   /// Of requests at a port; empty: one is made and told with the address.
   std::string control_token;
+  /// A page that shows what happens (hil/control/dashboard.h), at the control's port; without one
+  /// at a port of its own.
+  bool dashboard = false;
   /// Is written a line of JSON, and closed, when every wire is open: `control` and `token` of the
-  /// control server, and the wire of each device by its name.
+  /// control server, `dashboard` where there is one, and the wire of each device by its name.
   std::optional<int> ready_descriptor;
   /// New or empty: the run has wires of its own (hil/rig/isolated_rig.h), and tells them in
   /// run.json there when it is ready. Empty: the rig's.

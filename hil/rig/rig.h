@@ -145,6 +145,10 @@ class Rig {
   [[nodiscard]] Executive& executive() { return executive_; }
   [[nodiscard]] const TruthSource& truth() const { return world_; }
   [[nodiscard]] Hand& hand() { return world_.hand(); }
+  /// For who looks on: observers and sensors of no device are added behind all others, before a
+  /// run.
+  [[nodiscard]] SimulatedWorld& world() { return world_; }
+  [[nodiscard]] const Calendar& calendar() const { return calendar_; }
 
   /// Every wire that a client can be at.
   void watch_clients(ClientDrain& drain) const;

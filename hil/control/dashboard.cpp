@@ -1,0 +1,154 @@
+#include "hil/control/dashboard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <variant>
+
+#include "fields/chosen.h"
+#include "hil/configuration/schema.h"
+#include "hil/record/run_events.h"
+
+namespace rigwire::hil {
+namespace {
+
+namespace foxglove = protocols::foxglove;
+using Json = nlohmann::ordered_json;
+
+/// Of wall time: how often viewers are told the time.
+constexpr std::chrono::milliseconds kTick{100};
+/// Every so many of these, the state of the run.
+constexpr unsigned kTicksPerStatus = 5;
+/// Of the truth, simulated: at least.
+constexpr Duration kTruthPeriod = std::chrono::milliseconds{20};
+
+/// A service for each alternative of Command, named as its verb.
+template <class... Each>
+std::vector<StreamService> services_of(std::variant<Each...>* /*command*/) {
+  return {StreamService{"/" + std::string(Each::kNamed.name),
+                        std::string(Each::kNamed.text),
+                        schema_of(Each{}, Each::kNamed.text),
+                        {}}...};
+}
+
+}  // namespace
+
+StreamedRun streamed_run(const RigConfiguration& configuration, const std::string& session) {
+  StreamedRun run{
+      configuration.name,
+      session,
+      unix_time(configuration.start).count(),
+      make_local_frame(configuration.origin),
+      recorded_clouds(configuration).lidars,
+      {},
+      [&configuration](const std::string& bus) { return bus_messages(configuration, bus); }};
+  for (const auto& [name, device] : configuration.devices) {
+    if (device->is_receiver()) {
+      run.receivers.insert(name);
+    }
+  }
+  return run;
+}
+
+Dashboard::Dashboard(boost::asio::io_context& io, RunStream& stream, Rig& rig,
+                     const RigConfiguration& configuration, std::optional<Duration> duration)
+    : timer_(io), stream_(stream), executive_(rig.executive()), duration_(duration) {
+  const sim::Machine& machine = rig.world().machine();
+  const Duration period =
+      configuration.step * ((kTruthPeriod + configuration.step - Duration{1}) / configuration.step);
+  rig.world().add_truth_observer(
+      stream.truth_observer(rig.calendar(), machine.truth_fields(), machine.link_names()), period);
+  rig.world().add(stream.world_view(rig.world().scene(), machine.link_names().size()));
+  executive_.add(stream);
+  stream.follow([this] { return executive_.now(); });
+}
+
+Dashboard::~Dashboard() = default;
+
+void Dashboard::serve(Desk& desk) {
+  desk_ = &desk;
+  Viewers& viewers = stream_.viewers();
+  status_ = viewers.add({"/status", "json", "rigwire.Status", R"({"type":"object"})", 1});
+  for (StreamService& service : services_of(static_cast<Command*>(nullptr))) {
+    service.call = [this, verb = service.name.substr(1)](std::string_view request,
+                                                         const StreamService::Answer& answer) {
+      Json json = Json::parse(request, nullptr, false);
+      if (!json.is_object()) {
+        answer(false, "the request is no JSON object");
+        return;
+      }
+      json["verb"] = verb;
+      desk_->carry_out(
+          json.dump(-1, ' ', false, Json::error_handler_t::replace), "the request",
+          [answer](const Reply& reply) {
+            const bool done = reply.outcome == Reply::Outcome::done;
+            answer(done, done ? reply.json : Json::parse(reply.json).value("what", "refused"));
+          },
+          // Who has a port's token need not be this user.
+          Desk::Asker::anybody);
+    };
+    viewers.add(std::move(service));
+  }
+  if (duration_) {
+    viewers.set_range(stream_.unix_ns(kStart), stream_.unix_ns(kStart + *duration_));
+    viewers.on_playback([this](const auto& control) { control_playback(control); });
+  }
+  tick();
+}
+
+void Dashboard::tick() {
+  Viewers& viewers = stream_.viewers();
+  const std::uint64_t now = stream_.unix_ns(executive_.now());
+  viewers.tick(now);
+  if (ticks_++ % kTicksPerStatus == 0 && viewers.wanted(status_)) {
+    desk_->carry_out(Request{ReadCommand{}}, [this, now](const Reply& reply) {
+      Json json = Json::parse(reply.json);
+      const Viewers::Figures figures = stream_.viewers().figures();
+      json["viewers"] = {{"count", figures.viewers},
+                         {"sent", figures.sent},
+                         {"dropped", figures.dropped},
+                         {"not_shown", stream_.not_shown()}};
+      stream_.viewers().put(status_, now, json.dump());
+    });
+  }
+  if (executive_.paused() != told_paused_) {
+    tell_playback("");
+  }
+  timer_.expires_after(kTick);
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) {
+      tick();
+    }
+  });
+}
+
+void Dashboard::control_playback(const foxglove::PlaybackControl& control) {
+  const auto ask = [this](Command command) {
+    desk_->carry_out(Request{std::move(command)}, [](const Reply&) {});
+  };
+  if (control.plays) {
+    ask(ResumeCommand{});
+  } else {
+    ask(PauseCommand{});
+  }
+  const double factor = static_cast<double>(control.speed);
+  if (control.speed != speed_ && factor >= kLeastFactor && factor <= kGreatestFactor) {
+    desk_->carry_out(Request{SpeedCommand{factor}}, [this, speed = control.speed](const Reply& r) {
+      speed_ = r.outcome == Reply::Outcome::done ? speed : speed_;
+    });
+  }
+  // A run goes one way: who asks for another instant is told where it is.
+  tell_playback(control.request);
+}
+
+void Dashboard::tell_playback(std::string_view request) {
+  told_paused_ = executive_.paused();
+  if (duration_) {
+    stream_.viewers().tell_playback(
+        told_paused_ ? foxglove::PlaybackStatus::paused : foxglove::PlaybackStatus::playing,
+        stream_.unix_ns(executive_.now()), speed_, request);
+  }
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,55 @@
+// A run's page and everybody else who looks on by its stream: joins the stream (hil/stream/) with
+// the desk. Every command of the desk is a service of the stream, what `read` answers a channel,
+// the viewers' transport bar pauses and paces.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <optional>
+#include <string>
+
+#include "hil/control/desk.h"
+#include "hil/control/page_files.h"
+#include "hil/executive/executive.h"
+#include "hil/rig/rig.h"
+#include "hil/stream/run_stream.h"
+
+namespace rigwire::hil {
+
+/// What a run's stream begins with.
+[[nodiscard]] StreamedRun streamed_run(const RigConfiguration& configuration,
+                                       const std::string& session);
+
+class Dashboard {
+ public:
+  /// The stream hears of the rig's world from now on; before the run. Everything must outlive it.
+  /// `duration`: of the run; nothing: it has no end, and the viewers no transport bar.
+  Dashboard(boost::asio::io_context& io, RunStream& stream, Rig& rig,
+            const RigConfiguration& configuration, std::optional<Duration> duration);
+  ~Dashboard();
+  Dashboard(const Dashboard&) = delete;
+  Dashboard& operator=(const Dashboard&) = delete;
+
+  /// When there is one; before the first viewer.
+  void serve(Desk& desk);
+  [[nodiscard]] const PageFiles& files() const { return files_; }
+  [[nodiscard]] Viewers& viewers() { return stream_.viewers(); }
+
+ private:
+  void tick();
+  void control_playback(const protocols::foxglove::PlaybackControl& control);
+  void tell_playback(std::string_view request);
+
+  boost::asio::steady_timer timer_;
+  RunStream& stream_;
+  Executive& executive_;
+  Desk* desk_ = nullptr;
+  PageFiles files_;
+  std::optional<Duration> duration_;
+  Viewers::ChannelId status_ = 0;
+  unsigned ticks_ = 0;
+  float speed_ = 1.0F;
+  bool told_paused_ = false;
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,80 @@
+#include "hil/control/page_files.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "drivers/endpoints.h"
+
+namespace rigwire::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Row {
+  std::string_view path;     ///< As a client asks.
+  std::string_view file;     ///< In its folder.
+  std::string_view package;  ///< Debian's; empty: of the page itself.
+};
+
+constexpr std::array<Row, 14> kRows{{
+    {"/", "index.html", ""},
+    {"/page/style.css", "style.css", ""},
+    {"/page/main.js", "main.js", ""},
+    {"/page/run.js", "run.js", ""},
+    {"/page/view.js", "view.js", ""},
+    {"/page/glb.js", "glb.js", ""},
+    {"/page/wires.js", "wires.js", ""},
+    {"/page/plots.js", "plots.js", ""},
+    {"/page/events.js", "events.js", ""},
+    {"/page/hands.js", "hands.js", ""},
+    {"/lib/three/build/three.module.js", "three/build/three.module.js", "libjs-three"},
+    {"/lib/three/examples/jsm/controls/OrbitControls.js",
+     "three/examples/jsm/controls/OrbitControls.js", "libjs-three"},
+    {"/lib/chart.js/chart.mjs", "chart.js/chart.mjs", "libjs-chart.js"},
+    {"/lib/chart.js/chunks/helpers.segment.mjs", "chart.js/chunks/helpers.segment.mjs",
+     "libjs-chart.js"},  // which the former brings in
+}};
+constexpr std::string_view kLibraries = "/usr/share/javascript";
+
+std::string_view type_of(std::string_view file) {
+  return file.ends_with(".html")  ? "text/html; charset=utf-8"
+         : file.ends_with(".css") ? "text/css; charset=utf-8"
+                                  : "text/javascript; charset=utf-8";
+}
+
+/// Beside the program, as it is installed, else in the tree that it was built from.
+fs::path page_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  fs::path installed = program.parent_path().parent_path() / "share/rigwire/dashboard";
+  return fs::is_directory(installed, error) ? installed : fs::path(RIGWIRE_DASHBOARD_DIR);
+}
+
+}  // namespace
+
+PageFiles::PageFiles() {
+  const fs::path own = page_folder();
+  for (const Row& row : kRows) {
+    const fs::path path = (row.package.empty() ? own : fs::path(kLibraries)) / row.file;
+    std::ifstream file(path, std::ios::binary);
+    std::string content{std::istreambuf_iterator<char>(file), {}};
+    if (!file || content.empty()) {
+      throw drivers::EndpointError(fmt::format(
+          "--dashboard: {} cannot be read{}", path.string(),
+          row.package.empty() ? std::string() : fmt::format("; install {}", row.package)));
+    }
+    files_[std::string(row.path)] = {std::string(type_of(row.file)), std::move(content)};
+  }
+}
+
+const PageFile* PageFiles::find(std::string_view path) const {
+  const auto found = files_.find(path);
+  return found == files_.end() ? nullptr : &found->second;
+}
+
+}  // namespace rigwire::hil

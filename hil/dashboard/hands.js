@@ -1,0 +1,155 @@
+// Hands on the run: time, faults, sticks, recordings. Everything goes through the control surface.
+
+const FAULTS_MS = 1000;
+
+export class Hands {
+  constructor(run, parts) {
+    this.run = run;
+    this.parts = parts;
+    this.paused = false;
+    this.recording = null;
+    this.targets = {};
+    run.listen("/status", (status) => this.show(status));
+    run.addEventListener("open", () => this.offerFaults());
+    parts.pause.addEventListener("click", () => this.ask(this.paused ? "resume" : "pause"));
+    parts.step.addEventListener("click", () => this.ask("step", { length: parts.stepLength.value }));
+    parts.speed.addEventListener("change", () => this.ask("speed", { factor: parts.speed.value }));
+    parts.record.addEventListener("click", () => this.record());
+    parts.faultOn.addEventListener("change", () => this.offerKinds());
+    parts.faultType.addEventListener("change", () => this.describeKind());
+    parts.fault.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.addFault();
+    });
+    setInterval(() => this.listFaults(), FAULTS_MS);
+  }
+
+  // Says on the page what came of it; undefined when it was refused.
+  async ask(verb, keys) {
+    try {
+      const reply = await this.run.command(verb, keys);
+      this.parts.answer.textContent = "";
+      if ("paused" in reply) this.showPaused(reply.paused);
+      return reply;
+    } catch (error) {
+      this.parts.answer.textContent = `${verb}: ${error.message}`;
+      return undefined;
+    }
+  }
+
+  show(status) {
+    this.showPaused(status.paused);
+    this.recording = status.recording;
+    this.parts.record.textContent = status.recording ? "End recording" : "Record";
+    this.parts.record.title = status.recording ?? "";
+    this.offerSticks(status.machine.settable ?? []);
+  }
+
+  showPaused(paused) {
+    this.paused = paused;
+    this.parts.pause.textContent = paused ? "Go on" : "Pause";
+  }
+
+  record() {
+    if (this.recording) {
+      this.ask("record", { stop: true });
+    } else {
+      const stamp = new Date().toISOString().replace(/[:.]/g, "-");
+      this.ask("record", { folder: `recording-${stamp}` });
+    }
+  }
+
+  // Faults -----------------------------------------------------------------------------------------
+
+  async offerFaults() {
+    const reply = await this.ask("fault_list");
+    if (!reply) return;
+    this.targets = reply.targets;
+    this.parts.faultOn.replaceChildren(...Object.keys(this.targets).map((name) => new Option(name, name)));
+    this.offerKinds();
+    this.listFaults();
+  }
+
+  offerKinds() {
+    const kinds = this.targets[this.parts.faultOn.value] ?? {};
+    this.parts.faultType.replaceChildren(...Object.keys(kinds).map((name) => new Option(name, name)));
+    this.describeKind();
+  }
+
+  describeKind() {
+    this.parts.faultText.textContent = this.targets[this.parts.faultOn.value]?.[this.parts.faultType.value] ?? "";
+  }
+
+  async addFault() {
+    const keys = this.parts.faultKeys.value.trim();
+    const type = this.parts.faultType.value;
+    await this.ask("fault_add", {
+      on: this.parts.faultOn.value,
+      fault: keys ? `{type: ${type}, ${keys}}` : `{type: ${type}}`,
+    });
+    this.listFaults();
+  }
+
+  async listFaults() {
+    let reply;
+    try {
+      reply = await this.run.command("fault_list");
+    } catch {
+      return; // said elsewhere: the connection is lost
+    }
+    const open = reply.faults.filter(({ end_ns }) => end_ns === null || end_ns > reply.time_ns);
+    this.parts.faults.replaceChildren(...open.map((fault) => {
+      const item = document.createElement("li");
+      const left = fault.end_ns === null ? "" : `, ${((fault.end_ns - reply.time_ns) * 1e-9).toFixed(1)} s left`;
+      const acts = fault.begin_ns !== null && fault.begin_ns <= reply.time_ns;
+      item.append(`${fault.where}: ${fault.type}${acts ? left : " waits"}`);
+      const undo = document.createElement("button");
+      undo.type = "button";
+      undo.textContent = "End";
+      undo.addEventListener("click", async () => {
+        await this.ask("fault_clear", { id: fault.id });
+        this.listFaults();
+      });
+      item.append(undo);
+      return item;
+    }));
+  }
+
+  // Sticks -----------------------------------------------------------------------------------------
+
+  // A slider for each set point of the machine that has a range, else a field.
+  offerSticks(names) {
+    if (this.sticks === names.map(({ name }) => name).join()) return;
+    this.sticks = names.map(({ name }) => name).join();
+    this.parts.sticks.replaceChildren(...names.map(({ name, least, most }) => {
+      const row = document.createElement("div");
+      row.className = "stick";
+      const label = document.createElement("label");
+      label.textContent = name;
+      label.htmlFor = `stick-${name}`;
+      const input = document.createElement("input");
+      input.id = label.htmlFor;
+      const shown = document.createElement("output");
+      if (least !== undefined && most !== undefined) {
+        Object.assign(input, { type: "range", min: least, max: most, step: (most - least) / 200, value: 0 });
+      } else {
+        input.size = 6;
+      }
+      input.addEventListener("change", async () => {
+        const value = input.type === "range" ? Number(input.value) : input.value;
+        if (await this.ask("set", { set: { [name]: value } })) shown.textContent = String(value);
+      });
+      const release = document.createElement("button");
+      release.type = "button";
+      release.textContent = "Let go";
+      release.addEventListener("click", async () => {
+        if (await this.ask("set", { set: { [name]: null } })) {
+          shown.textContent = "";
+          if (input.type === "range") input.value = 0;
+        }
+      });
+      row.append(label, input, shown, release);
+      return row;
+    }));
+  }
+}

@@ -1,0 +1,80 @@
+// Joins the parts of the page with the run.
+
+import { Events } from "/page/events.js";
+import { Hands } from "/page/hands.js";
+import { Plots } from "/page/plots.js";
+import { Run } from "/page/run.js";
+import { View } from "/page/view.js";
+import { Wires } from "/page/wires.js";
+
+const part = (id) => document.getElementById(id);
+const run = new Run();
+
+const connection = part("connection");
+run.addEventListener("open", ({ detail }) => {
+  connection.textContent = "connected";
+  connection.className = "";
+  part("rig").textContent = detail.name;
+  document.title = `${detail.name} – Rigwire`;
+  run.command("state").then(
+    (state) => (part("clock").textContent = state.clock),
+    (error) => (connection.textContent = error.message),
+  );
+});
+run.addEventListener("lost", () => {
+  connection.textContent = run.token ? "no connection; trying again" : "the address lacks the run's token";
+  connection.className = "lost";
+});
+run.addEventListener("status", ({ detail }) => {
+  connection.textContent = detail.message;
+});
+
+let before = null; // for the pace
+run.listen("/status", (status) => {
+  const now = performance.now();
+  part("time").textContent = `${(status.time_ns * 1e-9).toFixed(2)} s${status.paused ? ", stands" : ""}`;
+  part("slipped").textContent = `${status.slipped_s.toFixed(2)} s`;
+  if (before) {
+    const factor = ((status.time_ns - before.time_ns) * 1e-6) / (now - before.now);
+    part("pace").textContent = `${factor.toFixed(2)} ×`;
+  }
+  before = { now, time_ns: status.time_ns };
+});
+
+const wires = new Wires(run, part("devices"), part("wire"), part("messages"), (...numbers) =>
+  plots.take(...numbers));
+const events = new Events(run, part("event-rows"));
+const hands = new Hands(run, {
+  pause: part("pause"),
+  step: part("step"),
+  stepLength: part("step-length"),
+  speed: part("speed"),
+  record: part("record"),
+  fault: part("fault"),
+  faultOn: part("fault-on"),
+  faultType: part("fault-type"),
+  faultKeys: part("fault-keys"),
+  faultText: part("fault-text"),
+  faults: part("faults"),
+  sticks: part("sticks"),
+  answer: part("answer"),
+});
+const plots = new Plots(run, {
+  canvas: part("chart"),
+  quantity: part("quantity"),
+  quantities: part("quantities"),
+  add: part("plot-add"),
+  clear: part("plot-clear"),
+  hold: part("plot-pause"),
+  span: part("plot-span"),
+  csv: part("plot-csv"),
+});
+let view = null;
+try {
+  view = new View(run, part("scene"), part("camera"), part("colour"), part("view-figures"));
+} catch (error) {
+  part("view-figures").textContent = `no 3D view: ${error.message}`;
+}
+
+// For whoever looks at the page with a program, and with the browser's own console.
+window.rigwire = { run, view, wires, events, hands, plots };

@@ -1,0 +1,153 @@
+// Any number of the truth, of the fixes that clients read and of the wires' figures, on simulated
+// time. The wheel changes the span, Hold keeps the picture, CSV has what is kept.
+
+import { Chart, registerables } from "/lib/chart.js/chart.mjs";
+
+Chart.register(...registerables);
+
+const MOST_SAMPLES = 6000; // of each quantity
+const COLOURS = ["#d95f02", "#1b9e77", "#7570b3", "#e7298a", "#66a61e", "#a6761d", "#3288bd", "#999999"];
+const DRAW_MS = 200;
+
+// Calls use(path, number) for every number in there.
+function eachNumber(value, path, use) {
+  if (typeof value === "number") use(path, value);
+  else if (value && typeof value === "object") {
+    for (const [key, inner] of Object.entries(value)) eachNumber(inner, `${path}.${key}`, use);
+  }
+}
+
+export class Plots {
+  constructor(run, parts) {
+    this.parts = parts;
+    this.lines = new Map(); // quantity -> samples {x, y}
+    this.known = new Set();
+    this.held = false;
+    this.span_s = 30;
+    this.last_s = 0;
+    this.start_ns = null;
+    run.addEventListener("open", () => (this.start_ns = null));
+    run.listen("/truth", (truth, time) => {
+      this.start_ns ??= time - BigInt(Math.round(truth.sim_s * 1e9));
+      this.take("truth", truth, truth.sim_s);
+    });
+    run.listen("/status", (status) => {
+      const figures = Object.fromEntries(
+        Object.entries(status.devices).map(([name, device]) => [name, { ...device, last_request: null }]));
+      this.take("wires", figures, status.time_ns * 1e-9);
+    });
+    run.addEventListener("topics", () => {
+      for (const topic of run.topics.keys()) {
+        if (topic.startsWith("/fix/") && !this.known.has(topic)) {
+          this.known.add(topic);
+          run.listen(topic, (fix, time) => {
+            if (this.start_ns !== null) this.take(`fix.${topic.slice(5)}`, fix, Number(time - this.start_ns) * 1e-9);
+          });
+        }
+      }
+    });
+    this.chart = new Chart(parts.canvas, {
+      type: "line",
+      data: { datasets: [] },
+      options: {
+        animation: false,
+        parsing: false,
+        normalized: true,
+        responsive: true,
+        maintainAspectRatio: false,
+        interaction: { mode: "nearest", axis: "x", intersect: false },
+        elements: { point: { radius: 0 }, line: { borderWidth: 1.5 } },
+        scales: {
+          x: { type: "linear", title: { display: true, text: "simulated time, s" } },
+          y: {},
+        },
+      },
+    });
+    this.colourAxes();
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.colourAxes());
+    parts.add.addEventListener("click", () => this.add(parts.quantity.value.trim()));
+    parts.quantity.addEventListener("keydown", (event) => {
+      if (event.key === "Enter") this.add(parts.quantity.value.trim());
+    });
+    parts.clear.addEventListener("click", () => this.lines.clear());
+    parts.hold.addEventListener("click", () => {
+      this.held = !this.held;
+      parts.hold.setAttribute("aria-pressed", String(this.held));
+      parts.hold.textContent = this.held ? "Go on" : "Hold";
+    });
+    parts.span.addEventListener("change", () => this.setSpan(Number(parts.span.value)));
+    parts.canvas.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      this.setSpan(this.span_s * (event.deltaY > 0 ? 1.25 : 0.8));
+    }, { passive: false });
+    parts.csv.addEventListener("click", () => this.download());
+    setInterval(() => this.draw(), DRAW_MS);
+  }
+
+  colourAxes() {
+    const style = getComputedStyle(document.body);
+    const ink = style.getPropertyValue("--ink");
+    const line = style.getPropertyValue("--line");
+    for (const axis of Object.values(this.chart.options.scales)) {
+      axis.ticks = { ...axis.ticks, color: ink };
+      axis.grid = { color: line };
+      if (axis.title) axis.title.color = ink;
+    }
+    this.chart.options.plugins.legend.labels.color = ink;
+  }
+
+  setSpan(seconds) {
+    if (!(seconds > 0)) return;
+    this.span_s = Math.min(3600, Math.max(0.1, seconds));
+    this.parts.span.value = String(Number(this.span_s.toPrecision(3)));
+  }
+
+  take(source, message, time_s) {
+    this.last_s = Math.max(this.last_s, time_s);
+    eachNumber(message, source, (path, number) => {
+      if (!this.known.has(path)) {
+        this.known.add(path);
+        this.parts.quantities.append(new Option(path, path));
+      }
+      const samples = this.lines.get(path);
+      if (!samples || this.held) return;
+      samples.push({ x: time_s, y: number });
+      if (samples.length > MOST_SAMPLES) samples.splice(0, samples.length - MOST_SAMPLES);
+    });
+  }
+
+  add(quantity) {
+    if (this.known.has(quantity) && !this.lines.has(quantity)) this.lines.set(quantity, []);
+  }
+
+  draw() {
+    if (this.held && this.chart.data.datasets.length === this.lines.size) {
+      if (this.chart.options.scales.x.max - this.chart.options.scales.x.min === this.span_s) return;
+    }
+    this.chart.data.datasets = [...this.lines].map(([label, data], index) => ({
+      label,
+      data: data.filter(({ x }) => x >= this.last_s - this.span_s),
+      borderColor: COLOURS[index % COLOURS.length],
+      backgroundColor: COLOURS[index % COLOURS.length],
+    }));
+    this.chart.options.scales.x.min = this.last_s - this.span_s;
+    this.chart.options.scales.x.max = this.last_s;
+    this.chart.update("none");
+  }
+
+  csv() {
+    const rows = ["quantity,sim_s,value"];
+    for (const [label, samples] of this.lines) {
+      for (const { x, y } of samples) rows.push(`${label},${x},${y}`);
+    }
+    return rows.join("\n") + "\n";
+  }
+
+  download() {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([this.csv()], { type: "text/csv" }));
+    link.download = "rigwire.csv";
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  }
+}

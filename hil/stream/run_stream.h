@@ -1,0 +1,113 @@
+// What is told of a run while it goes on, beside its wires: ground truth, the scene as it stands,
+// and what a client would read from the bytes that went out. Channels of Viewers, each laid out
+// only while somebody has subscribed to it.
+//
+//   /truth /tf /antenna /joints /motion   as a recording has them (hil/record/truth_messages.h)
+//   /events                               likewise, foxglove.Log
+//   /scene                                foxglove.SceneUpdate (hil/stream/scene_model.h)
+//   /points/NAME                          foxglove.PointCloud: every turn of a lidar's head, from
+//   its
+//                                         packets (hil/record/lidar_clouds.h)
+//   /fix/NAME                             foxglove.LocationFix: what a receiver's bytes say, with
+//                                         `position_m` in the world
+//   /wire/NAME                            rigwire.WireMessage: what passes on a wire
+//
+// Threads. The truth is told ahead of the wires and waits for its instant. Point clouds and
+// messages of wires are decoded by a thread of the stream's own, which is nicer than the run: the
+// thread of the wires copies bytes into a bounded queue and nothing more. What finds no room there
+// is not shown, and counted.
+#pragma once
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "hil/executive/event_source.h"
+#include "hil/record/lidar_clouds.h"
+#include "hil/record/run_events.h"
+#include "hil/record/truth_messages.h"
+#include "hil/stream/scene_model.h"
+#include "hil/stream/viewers.h"
+#include "hil/wires/wire_tap.h"
+#include "hil/world/truth_observer.h"
+#include "hil/world/view.h"
+#include "protocols/can/message.h"
+#include "sim/local_frame.h"
+#include "sim/samples/calendar.h"
+
+namespace rigwire::hil {
+
+struct StreamedRun {
+  std::string name;
+  std::string session;  ///< Another one for each run.
+  std::int64_t start_unix_ns = 0;
+  sim::LocalFrame frame;
+  std::vector<RecordedLidar> lidars;
+  std::set<std::string> receivers;  ///< Names of satellite receivers.
+  /// Of the messages on the CAN bus of that name; asked once, before the run.
+  std::function<std::vector<protocols::can::OwnedMessage>(const std::string& bus)> messages;
+};
+
+class RunStream final : public EventSource {
+ public:
+  /// Of what passes, waiting to be decoded.
+  static constexpr std::size_t kQueueBytes = 8 * 1024 * 1024;
+
+  RunStream(boost::asio::io_context& io, StreamedRun run);
+  ~RunStream() override;
+
+  [[nodiscard]] Viewers& viewers() { return viewers_; }
+  [[nodiscard]] std::uint64_t unix_ns(SimTime at) const {
+    return static_cast<std::uint64_t>(run_.start_unix_ns + at.time_since_epoch().count());
+  }
+
+  // While the rig is made.
+
+  /// Who is told of a wire; lives as long as the stream.
+  [[nodiscard]] WireTap& add_wire(const std::string& name, WireKind kind);
+
+  // When it is, before it runs. What is returned must not outlive the stream.
+
+  [[nodiscard]] std::unique_ptr<TruthObserver> truth_observer(
+      const Calendar& calendar, std::span<const sim::TruthField> fields,
+      std::span<const std::string_view> links);
+  /// `links`: of the machine.
+  [[nodiscard]] std::unique_ptr<WorldSensor> world_view(const sim::Scene& scene, std::size_t links);
+
+  /// Present simulated time, for what clients send; asked on the thread of the wires.
+  void follow(std::function<SimTime()> now) { now_ = std::move(now); }
+
+  /// From any thread.
+  void tell(const RunEvent& event);
+  /// Not shown because its queue was full.
+  [[nodiscard]] std::uint64_t not_shown() const;
+
+  [[nodiscard]] SimTime next_event() const override;
+  [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
+  /// What was told ahead up to `now` is sent.
+  void advance(SimTime now) override;
+
+ private:
+  class Ahead;
+  class Truth;
+  class Wire;
+  class Decoder;
+
+  StreamedRun run_;
+  Viewers viewers_;
+  std::function<SimTime()> now_ = [] { return kStart; };
+  std::unique_ptr<Ahead> ahead_;
+  std::array<Viewers::ChannelId, kTruthTracks> tracks_{};
+  Viewers::ChannelId scene_channel_ = 0;
+  std::optional<SceneModel> scene_;
+  std::vector<std::unique_ptr<Wire>> wires_;
+  std::unique_ptr<Decoder> decoder_;
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,462 @@
+#include "hil/stream/viewers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "hil/configuration/plain_text.h"
+
+namespace rigwire::hil {
+namespace {
+
+namespace foxglove = protocols::foxglove;
+using Json = nlohmann::ordered_json;
+
+constexpr int kWarning = 1;  // Levels of `status`.
+constexpr int kError = 2;
+
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json time_of(std::uint64_t ns) {
+  return {{"sec", ns / 1'000'000'000}, {"nsec", ns % 1'000'000'000}};
+}
+
+/// Of those that a client offers, as its header has them.
+std::string chosen_subprotocol(std::string_view offered) {
+  for (const std::string_view known : foxglove::kSubprotocols) {
+    for (std::size_t from = 0; from < offered.size();) {
+      const std::size_t end = std::min(offered.find(',', from), offered.size());
+      std::string_view one = offered.substr(from, end - from);
+      while (one.starts_with(' ')) {
+        one.remove_prefix(1);
+      }
+      while (one.ends_with(' ')) {
+        one.remove_suffix(1);
+      }
+      if (one == known) {
+        return std::string(known);
+      }
+      from = end + 1;
+    }
+  }
+  return {};
+}
+
+std::optional<std::uint32_t> number_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_number_unsigned() ||
+      found->get<std::uint64_t>() > 0xFFFF'FFFFU) {
+    return std::nullopt;
+  }
+  return found->get<std::uint32_t>();
+}
+
+}  // namespace
+
+/// One of them: what it has subscribed to, and what waits for it.
+class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
+ public:
+  Viewer(Viewers& all, std::shared_ptr<drivers::WebSocket> socket)
+      : all_(&all), socket_(std::move(socket)) {
+    answer_text(all.server_info());
+    answer_text(all.advertisement());
+    answer_text(all.services_advertisement());
+  }
+
+  void put(ChannelId channel, std::uint64_t time_ns, std::string_view payload) {
+    for (auto& [id, subscription] : subscriptions_) {
+      if (subscription.channel == channel) {
+        enqueue(id, subscription,
+                std::make_shared<const std::string>(foxglove::message_frame(id, time_ns, payload)));
+      }
+    }
+    socket_->wake();
+  }
+
+  void tick(std::uint64_t time_ns) {
+    time_ = std::make_shared<const std::string>(foxglove::time_frame(time_ns));
+    if (dropped_ != told_dropped_) {
+      answer_text(text_of(
+          {{"op", "status"},
+           {"level", kWarning},
+           {"id", "dropped"},
+           {"message", fmt::format("{} messages were dropped: this viewer reads more slowly than "
+                                   "the run tells",
+                                   dropped_)}}));
+      told_dropped_ = dropped_;
+    }
+    socket_->wake();
+  }
+
+  void answer(std::string frame) { answer({false, share(std::move(frame))}); }
+
+  void receive(bool text, std::string_view bytes) {
+    if (text) {
+      receive_text(bytes);
+    } else {
+      receive_frame(bytes);
+    }
+    socket_->wake();
+  }
+
+  drivers::WebSocketMessage next() {
+    if (!answers_.empty()) {
+      drivers::WebSocketMessage message = std::move(answers_.front());
+      answers_.pop_front();
+      return message;
+    }
+    if (time_) {
+      return {false, std::exchange(time_, nullptr)};
+    }
+    if (!asset_requests_.empty()) {
+      const auto [request, uri] = std::move(asset_requests_.front());
+      asset_requests_.pop_front();
+      return {false, share(asset(request, uri))};
+    }
+    if (!waiting_.empty()) {
+      Waiting front = std::move(waiting_.front());
+      waiting_.pop_front();
+      bytes_ -= front.frame->size();
+      if (const auto found = subscriptions_.find(front.subscription);
+          found != subscriptions_.end()) {
+        --found->second.waiting;
+      }
+      ++all_->sent_;
+      return {false, std::move(front.frame)};
+    }
+    return {};
+  }
+
+  /// It is gone.
+  void leave() {
+    for (const auto& [id, subscription] : subscriptions_) {
+      --all_->channels_[subscription.channel].subscribers;
+    }
+    subscriptions_.clear();
+  }
+  void close() { socket_->close(); }
+
+ private:
+  struct Subscription {
+    ChannelId channel = 0;
+    std::size_t waiting = 0;
+  };
+  struct Waiting {
+    std::uint32_t subscription = 0;
+    std::shared_ptr<const std::string> frame;
+  };
+
+  static std::shared_ptr<const std::string> share(std::string text) {
+    return std::make_shared<const std::string>(std::move(text));
+  }
+  void answer_text(std::string text) { answer({true, share(std::move(text))}); }
+  void answer(drivers::WebSocketMessage message) {
+    if (answers_.size() >= kMostAnswers) {
+      socket_->close();
+      return;
+    }
+    answers_.push_back(std::move(message));
+    socket_->wake();
+  }
+  void complain(const std::string& what) {
+    answer_text(text_of({{"op", "status"}, {"level", kError}, {"message", printable(what)}}));
+  }
+
+  void enqueue(std::uint32_t id, Subscription& subscription,
+               std::shared_ptr<const std::string> frame) {
+    const std::size_t depth = all_->channels_[subscription.channel].about.depth;
+    if (subscription.waiting >= depth) {
+      drop(std::ranges::find(waiting_, id, &Waiting::subscription));
+    }
+    bytes_ += frame->size();
+    ++subscription.waiting;
+    waiting_.push_back({id, std::move(frame)});
+    while (bytes_ > kMostBytes && waiting_.size() > 1) {
+      drop(waiting_.begin());
+    }
+  }
+  void drop(std::deque<Waiting>::iterator which) {
+    bytes_ -= which->frame->size();
+    if (const auto found = subscriptions_.find(which->subscription);
+        found != subscriptions_.end()) {
+      --found->second.waiting;
+    }
+    waiting_.erase(which);
+    ++dropped_;
+    ++all_->dropped_;
+  }
+
+  std::string asset(std::uint32_t request, const std::string& uri) {
+    const auto data = all_->assets_ ? all_->assets_(uri) : nullptr;
+    return data ? foxglove::asset_frame(request, *data)
+                : foxglove::asset_error_frame(request, "there is no " + printable(uri));
+  }
+
+  void receive_text(std::string_view bytes) {
+    const Json json = Json::parse(bytes, nullptr, false);
+    if (json.is_discarded() || !json.is_object() || !json.contains("op") ||
+        !json["op"].is_string()) {
+      complain("a message that is no JSON object with a text `op`");
+      return;
+    }
+    const auto op = json["op"].get<std::string>();
+    if (op == "subscribe") {
+      each(json, "subscriptions", [this](const Json& one) { subscribe(one); });
+    } else if (op == "unsubscribe") {
+      each(json, "subscriptionIds", [this](const Json& one) {
+        if (one.is_number_unsigned()) {
+          unsubscribe(one.get<std::uint64_t>());
+        }
+      });
+    } else if (op == "fetchAsset") {
+      fetch(json);
+    } else {
+      complain(fmt::format("found op {}, allowed subscribe, unsubscribe, fetchAsset", op));
+    }
+  }
+
+  template <class Use>
+  void each(const Json& json, const char* key, const Use& use) {
+    const auto found = json.find(key);
+    if (found == json.end() || !found->is_array()) {
+      complain(fmt::format("no list `{}`", key));
+      return;
+    }
+    for (const Json& one : *found) {
+      use(one);
+    }
+  }
+
+  void subscribe(const Json& one) {
+    const auto id = one.is_object() ? number_of(one, "id") : std::nullopt;
+    const auto channel = one.is_object() ? number_of(one, "channelId") : std::nullopt;
+    if (!id || !channel || *channel >= all_->channels_.size() || subscriptions_.contains(*id) ||
+        subscriptions_.size() >= kMostAnswers) {
+      complain("a subscription needs an `id` that is new and the `channelId` of a channel, found " +
+               text_of(one));
+      return;
+    }
+    subscriptions_[*id] = {*channel, 0};
+    Channel& subscribed = all_->channels_[*channel];
+    ++subscribed.subscribers;
+    if (subscribed.about.first) {
+      answer(foxglove::message_frame(*id, 0, subscribed.about.first()));
+    }
+  }
+
+  void unsubscribe(std::uint64_t id) {
+    const auto found = subscriptions_.find(static_cast<std::uint32_t>(id));
+    if (id > 0xFFFF'FFFFU || found == subscriptions_.end()) {
+      complain(fmt::format("found subscription {}, which there is not", id));
+      return;
+    }
+    --all_->channels_[found->second.channel].subscribers;
+    subscriptions_.erase(found);
+    std::erase_if(waiting_, [&](const Waiting& waiting) {
+      const bool gone = waiting.subscription == id;
+      bytes_ -= gone ? waiting.frame->size() : 0;
+      return gone;
+    });
+  }
+
+  void fetch(const Json& json) {
+    const auto request = number_of(json, "requestId");
+    const auto uri = json.find("uri");
+    if (!request || uri == json.end() || !uri->is_string()) {
+      complain("fetchAsset needs `requestId` and `uri`");
+    } else if (asset_requests_.size() >= kMostAnswers) {
+      socket_->close();
+    } else {
+      asset_requests_.emplace_back(*request, uri->get<std::string>());
+    }
+  }
+
+  void receive_frame(std::string_view bytes) {
+    const auto frame = foxglove::decode_client_frame(bytes);
+    if (!frame.ok()) {
+      complain(fmt::format("a binary frame that is none: expected {} at byte {}",
+                           frame.fault().reason, frame.fault().offset));
+    } else if (const auto* request = std::get_if<foxglove::ServiceRequest>(&*frame)) {
+      call(*request);
+    } else if (const auto* control = std::get_if<foxglove::PlaybackControl>(&*frame)) {
+      if (all_->playback_) {
+        all_->playback_(*control);
+      } else {
+        complain("this run has no transport bar");
+      }
+    }
+  }
+
+  void call(const foxglove::ServiceRequest& request) {
+    const auto fail = [this, service = request.service, call = request.call](std::string what) {
+      answer_text(text_of({{"op", "serviceCallFailure"},
+                           {"serviceId", service},
+                           {"callId", call},
+                           {"message", std::move(what)}}));
+    };
+    if (request.service >= all_->services_.size()) {
+      fail(fmt::format("found service {}, allowed 0 to {}", request.service,
+                       all_->services_.size() - 1));
+      return;
+    }
+    if (request.encoding != "json") {
+      fail(fmt::format("found encoding {}, allowed json", printable(request.encoding)));
+      return;
+    }
+    all_->services_[request.service].call(
+        request.payload, [viewer = weak_from_this(), service = request.service,
+                          call = request.call](bool done, const std::string& json) {
+          if (const auto self = viewer.lock()) {
+            if (done) {
+              self->answer(foxglove::service_response_frame(service, call, "json", json));
+            } else {
+              self->answer_text(text_of({{"op", "serviceCallFailure"},
+                                         {"serviceId", service},
+                                         {"callId", call},
+                                         {"message", json}}));
+            }
+          }
+        });
+  }
+
+  Viewers* all_;
+  std::shared_ptr<drivers::WebSocket> socket_;
+  std::map<std::uint32_t, Subscription> subscriptions_;
+  std::deque<drivers::WebSocketMessage> answers_;
+  std::deque<std::pair<std::uint32_t, std::string>> asset_requests_;
+  std::shared_ptr<const std::string> time_;
+  std::deque<Waiting> waiting_;  ///< Of channels.
+  std::size_t bytes_ = 0;        ///< In them.
+  std::uint64_t dropped_ = 0;
+  std::uint64_t told_dropped_ = 0;
+};
+
+Viewers::Viewers(std::string name, std::string session)
+    : name_(std::move(name)), session_(std::move(session)) {}
+
+Viewers::~Viewers() = default;
+
+Viewers::ChannelId Viewers::add(StreamChannel channel) {
+  channels_.emplace_back().about = std::move(channel);
+  return static_cast<ChannelId>(channels_.size() - 1);
+}
+
+void Viewers::add(StreamService service) {
+  services_.push_back(std::move(service));
+}
+
+drivers::WebSocketAnswer Viewers::admit(const drivers::HttpRequest& request) {
+  const std::string subprotocol = chosen_subprotocol(request.subprotocols);
+  drivers::WebSocketAnswer answer;
+  if (subprotocol.empty()) {
+    answer.refusal = {
+        400,
+        "text/plain",
+        fmt::format("found subprotocols \"{}\", allowed {}\n", printable(request.subprotocols),
+                    fmt::join(foxglove::kSubprotocols, ", ")),
+        {},
+        true};
+    return answer;
+  }
+  answer.subprotocol = subprotocol;
+  answer.open = [this](std::shared_ptr<drivers::WebSocket> socket) {
+    auto viewer = std::make_shared<Viewer>(*this, std::move(socket));
+    viewers_.push_back(viewer);
+    return drivers::WebSocket::Owner{
+        [viewer] { return viewer->next(); },
+        [viewer](bool text, std::string_view bytes) { viewer->receive(text, bytes); },
+        [this, viewer] {
+          viewer->leave();
+          std::erase(viewers_, viewer);
+        }};
+  };
+  return answer;
+}
+
+void Viewers::put(ChannelId channel, std::uint64_t time_ns, std::string_view payload) {
+  if (wanted(channel)) {
+    for (const auto& viewer : std::vector(viewers_)) {
+      viewer->put(channel, time_ns, payload);
+    }
+  }
+}
+
+void Viewers::tick(std::uint64_t time_ns) {
+  for (const auto& viewer : std::vector(viewers_)) {
+    viewer->tick(time_ns);
+  }
+}
+
+void Viewers::tell_playback(foxglove::PlaybackStatus status, std::uint64_t time_ns, float speed,
+                            std::string_view request) {
+  for (const auto& viewer : std::vector(viewers_)) {
+    viewer->answer(foxglove::playback_state_frame(status, time_ns, speed, false, request));
+  }
+}
+
+Viewers::Figures Viewers::figures() const {
+  return {viewers_.size(), sent_, dropped_};
+}
+
+std::string Viewers::server_info() const {
+  Json capabilities{"time"};
+  if (!services_.empty()) {
+    capabilities.push_back("services");
+  }
+  if (assets_) {
+    capabilities.push_back("assets");
+  }
+  Json info{{"op", "serverInfo"},
+            {"name", name_},
+            {"supportedEncodings", {"json"}},
+            {"metadata", Json::object()},
+            {"sessionId", session_}};
+  if (playback_ && range_) {
+    capabilities.push_back("playbackControl");
+    info["dataStartTime"] = time_of(range_->first);
+    info["dataEndTime"] = time_of(range_->second);
+  }
+  info["capabilities"] = std::move(capabilities);
+  return text_of(info);
+}
+
+std::string Viewers::advertisement() const {
+  Json channels = Json::array();
+  for (std::size_t id = 0; id < channels_.size(); ++id) {
+    const StreamChannel& about = channels_[id].about;
+    channels.push_back({{"id", id},
+                        {"topic", about.topic},
+                        {"encoding", about.encoding},
+                        {"schemaName", about.schema_name},
+                        {"schema", about.schema},
+                        {"schemaEncoding", "jsonschema"}});
+  }
+  return text_of({{"op", "advertise"}, {"channels", std::move(channels)}});
+}
+
+std::string Viewers::services_advertisement() const {
+  Json services = Json::array();
+  for (std::size_t id = 0; id < services_.size(); ++id) {
+    const StreamService& service = services_[id];
+    const auto schema = [](const std::string& name, const std::string& text) {
+      return Json{{"encoding", "json"},
+                  {"schemaName", name},
+                  {"schemaEncoding", "jsonschema"},
+                  {"schema", text}};
+    };
+    const std::string type = "rigwire." + service.name.substr(1);
+    services.push_back({{"id", id},
+                        {"name", service.name},
+                        {"type", type},
+                        {"request", schema(type + "_Request", service.request_schema)},
+                        {"response", schema(type + "_Response", R"({"type":"object"})")}});
+  }
+  return text_of({{"op", "advertiseServices"}, {"services", std::move(services)}});
+}
+
+}  // namespace rigwire::hil

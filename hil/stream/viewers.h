@@ -1,0 +1,121 @@
+// Programs that look on while a run goes on, over the Foxglove WebSocket protocol: the run's own
+// page (hil/dashboard/), Foxglove, Lichtblick. Channels of messages, services, assets and the
+// transport bar; what they mean is whose who adds them.
+//
+// Slow viewers. Of each channel as many messages wait for a viewer as the channel is deep, the
+// oldest is dropped, and the viewer is told how many; all that waits for one viewer is at most
+// kMostBytes. Answers are not dropped: a viewer that asks more than it reads loses its connection.
+// Nothing waits for a viewer.
+//
+// On the thread that runs the executive, but for wanted().
+//
+// Source: foxglove/ws-protocol, docs/spec.md; protocols/foxglove/frames.h has its binary frames.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/http_server.h"
+#include "protocols/foxglove/frames.h"
+
+namespace rigwire::hil {
+
+struct StreamChannel {
+  std::string topic;
+  std::string encoding = "json";
+  std::string schema_name;
+  std::string schema;  ///< JSON Schema.
+  std::size_t depth = 32;
+  /// What who subscribes is told first; empty: nothing.
+  std::function<std::string()> first{};
+};
+
+struct StreamService {
+  using Answer = std::function<void(bool done, const std::string& json)>;
+  std::string name;
+  std::string text;            ///< One sentence.
+  std::string request_schema;  ///< JSON Schema.
+  /// JSON in, JSON out; `answer` is called once, now or later.
+  std::function<void(std::string_view request, Answer answer)> call;
+};
+
+class Viewers {
+ public:
+  using ChannelId = std::uint32_t;
+  /// Frames that wait for one viewer, at most.
+  static constexpr std::size_t kMostBytes = 32 * 1024 * 1024;
+  /// Answers that wait for one viewer.
+  static constexpr std::size_t kMostAnswers = 4096;
+
+  /// `session`: of this run, so that viewers know it again.
+  Viewers(std::string name, std::string session);
+  ~Viewers();
+  Viewers(const Viewers&) = delete;
+  Viewers& operator=(const Viewers&) = delete;
+
+  // Before the first viewer.
+
+  ChannelId add(StreamChannel channel);
+  void add(StreamService service);
+  /// Where viewers get what messages name by "rigwire:...". Null: there is no such thing.
+  using Assets = std::function<std::shared_ptr<const std::string>(std::string_view uri)>;
+  void on_asset(Assets assets) { assets_ = std::move(assets); }
+  /// Of a viewer's transport bar.
+  using Playback = std::function<void(const protocols::foxglove::PlaybackControl& control)>;
+  void on_playback(Playback playback) { playback_ = std::move(playback); }
+  /// From when to when the transport bar goes.
+  void set_range(std::uint64_t begin_ns, std::uint64_t end_ns) { range_ = {begin_ns, end_ns}; }
+
+  // Then.
+
+  /// How a request for a WebSocket is answered.
+  [[nodiscard]] drivers::WebSocketAnswer admit(const drivers::HttpRequest& request);
+  /// Whether anybody has subscribed. From any thread.
+  [[nodiscard]] bool wanted(ChannelId channel) const {
+    return channels_[channel].subscribers.load(std::memory_order_relaxed) != 0;
+  }
+  void put(ChannelId channel, std::uint64_t time_ns, std::string_view payload);
+  /// The present time, and what was dropped meanwhile.
+  void tick(std::uint64_t time_ns);
+  /// State of the transport bar; `request` of the one that asked, else empty.
+  void tell_playback(protocols::foxglove::PlaybackStatus status, std::uint64_t time_ns, float speed,
+                     std::string_view request);
+
+  struct Figures {
+    std::size_t viewers = 0;
+    std::uint64_t sent = 0;     ///< Messages of channels that left.
+    std::uint64_t dropped = 0;  ///< That were too slow to be taken.
+  };
+  [[nodiscard]] Figures figures() const;
+
+ private:
+  class Viewer;
+  struct Channel {
+    StreamChannel about;
+    std::atomic<unsigned> subscribers{0};
+  };
+
+  [[nodiscard]] std::string server_info() const;
+  [[nodiscard]] std::string advertisement() const;
+  [[nodiscard]] std::string services_advertisement() const;
+
+  std::string name_;
+  std::string session_;
+  std::deque<Channel> channels_;
+  std::vector<StreamService> services_;
+  Assets assets_;
+  Playback playback_;
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> range_;
+  std::vector<std::shared_ptr<Viewer>> viewers_;
+  std::uint64_t sent_ = 0;
+  std::uint64_t dropped_ = 0;
+};
+
+}  // namespace rigwire::hil

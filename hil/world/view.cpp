@@ -1,0 +1,74 @@
+#include "hil/world/view.h"
+
+#include <utility>
+
+#include "sim/scene/height_field.h"
+#include "sim/scene/scene.h"
+
+namespace rigwire::hil {
+namespace {
+
+class WorldView final : public WorldSensor {
+ public:
+  WorldView(std::size_t links, Duration period, std::function<void(ViewChange)> told)
+      : links_(links), period_(period), told_(std::move(told)) {}
+
+  void take(SimTime /*frontier*/, const Shelves& /*requests*/) override {}
+
+  void slice(const WorldSlice& slice, Shelves& /*samples*/) override {
+    if (slice.dug) {
+      dug_ = dug_ ? dug_->joined(*slice.dug) : *slice.dug;
+    }
+    if (slice.t1 < next_) {
+      return;
+    }
+    next_ = slice.t1 + period_;
+    ViewChange change;
+    change.time = slice.t1;
+    if (dug_ && slice.ground != nullptr) {
+      change.heights_m.reserve(dug_->nodes());
+      for (std::size_t r = dug_->first_row; r <= dug_->last_row; ++r) {
+        for (std::size_t c = dug_->first_column; c <= dug_->last_column; ++c) {
+          change.heights_m.push_back(slice.ground->node(c, r));
+        }
+      }
+      change.dug = std::exchange(dug_, std::nullopt);
+    }
+    const std::size_t bodies = slice.links_at_t1.size();
+    const bool first = places_.empty();
+    places_.resize(bodies, Eigen::Isometry3d::Identity());
+    for (std::size_t body = links_; body < bodies; ++body) {
+      const Eigen::Isometry3d& X_WB = slice.links_at_t1[body].X_WL;
+      if (first || !X_WB.isApprox(places_[body], 1e-9)) {
+        places_[body] = X_WB;
+        change.moved.push_back({body, X_WB});
+      }
+    }
+    const auto displaced = slice.scene.placement().displaced;
+    if (displaced != displaced_) {
+      displaced_ = displaced;
+      change.displaced = sim::displaced_things(slice.scene.placement());
+    }
+    if (!change.empty()) {
+      told_(std::move(change));
+    }
+  }
+
+ private:
+  std::size_t links_;
+  Duration period_;
+  std::function<void(ViewChange)> told_;
+  SimTime next_ = kStart;
+  std::optional<sim::NodeRectangle> dug_;
+  std::vector<Eigen::Isometry3d> places_;
+  std::shared_ptr<const std::vector<sim::DisplacedPiece>> displaced_;
+};
+
+}  // namespace
+
+std::unique_ptr<WorldSensor> make_world_view(std::size_t links, Duration period,
+                                             std::function<void(ViewChange)> told) {
+  return std::make_unique<WorldView>(links, period, std::move(told));
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,38 @@
+// What changes in the looks of a scene while it runs, for who looks on: ground that is dug, loose
+// bodies that are pushed, trees that lean. What was there at the start tells sim::contents_of().
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hil/world/world_sensor.h"
+#include "sim/scene/scene_contents.h"
+
+namespace rigwire::hil {
+
+struct ViewChange {
+  SimTime time{};
+  /// Heights of nodes of the ground that was dug, row by row.
+  std::optional<sim::NodeRectangle> dug;
+  std::vector<double> heights_m;
+  struct Body {
+    std::size_t body = 0;  ///< Of the scene.
+    Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+  };
+  std::vector<Body> moved;  ///< Loose bodies that are elsewhere than at the change before.
+  /// All that has left its place, when any of it has moved.
+  std::vector<sim::DisplacedThing> displaced;
+
+  [[nodiscard]] bool empty() const { return !dug && moved.empty() && displaced.empty(); }
+};
+
+/// Tells `told`, on the thread of the truth, what has changed, at most every `period`; nothing
+/// where nothing has. It draws no random number and changes no sample. `links`: bodies of the
+/// machine, which are the scene's first and are not told of.
+[[nodiscard]] std::unique_ptr<WorldSensor> make_world_view(std::size_t links, Duration period,
+                                                           std::function<void(ViewChange)> told);
+
+}  // namespace rigwire::hil

@@ -1,0 +1,217 @@
+// The protocol without a system: a viewer's socket is a list of what it was sent.
+#include "hil/stream/viewers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "protocols/bytes.h"
+
+namespace rigwire::hil {
+namespace {
+
+using Json = nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Takes a message only when it is told to.
+class Socket final : public drivers::WebSocket {
+ public:
+  void wake() override {}
+  void close() override { closed = true; }
+
+  bool closed = false;
+};
+
+class ViewersTest : public testing::Test {
+ protected:
+  ViewersTest() {
+    shallow_ = viewers_.add({"/a", "json", "A", "{}", 2, {}});
+    deep_ = viewers_.add({"/b", "json", "B", "{}", 100, [] { return std::string("first"); }});
+    viewers_.add(StreamService{"/echo", "", "{}", [](std::string_view request, const auto& answer) {
+                                 answer(request != "no", std::string(request));
+                               }});
+    viewers_.on_asset([](std::string_view uri) {
+      return uri == "rigwire:x" ? std::make_shared<const std::string>("thing") : nullptr;
+    });
+  }
+  void open() {
+    auto answer = viewers_.admit({"GET", "/stream", "", "", "", "", "foxglove.websocket.v1"});
+    ASSERT_FALSE(answer.refusal);
+    EXPECT_EQ(answer.subprotocol, "foxglove.websocket.v1");
+    owner_ = answer.open(socket_);
+  }
+  void ask(const Json& json) { owner_.received(true, json.dump()); }
+  /// All that waits, as the socket takes it.
+  std::vector<std::string> take() {
+    std::vector<std::string> all;
+    for (auto message = owner_.next(); message.bytes; message = owner_.next()) {
+      all.push_back(*message.bytes);
+    }
+    return all;
+  }
+  /// Payloads of messages of a subscription.
+  static std::vector<std::string> payloads(const std::vector<std::string>& frames, char id) {
+    std::vector<std::string> all;
+    for (const std::string& frame : frames) {
+      if (frame.size() > 13 && frame[0] == 1 && frame[1] == id) {
+        all.push_back(frame.substr(13));
+      }
+    }
+    return all;
+  }
+
+  Viewers viewers_{"pit", "session"};
+  Viewers::ChannelId shallow_ = 0;
+  Viewers::ChannelId deep_ = 0;
+  std::shared_ptr<Socket> socket_ = std::make_shared<Socket>();
+  drivers::WebSocket::Owner owner_;
+};
+
+TEST_F(ViewersTest, WhoOffersNoneOfTheProtocolsIsRefused) {
+  const auto answer = viewers_.admit({"GET", "/stream", "", "", "", "", "chat, foxglove"});
+  ASSERT_TRUE(answer.refusal);
+  EXPECT_EQ(answer.refusal->status, 400);
+  EXPECT_THAT(answer.refusal->body, HasSubstr("foxglove.sdk.v1"));
+}
+
+TEST_F(ViewersTest, OfSeveralOffersTheFirstKnownIsTaken) {
+  const auto answer =
+      viewers_.admit({"GET", "/", "", "", "", "", "x, foxglove.websocket.v1 , foxglove.sdk.v1"});
+  EXPECT_EQ(answer.subprotocol, "foxglove.sdk.v1");
+}
+
+TEST_F(ViewersTest, AViewerIsToldWhatThereIs) {
+  open();
+  const auto told = take();
+  ASSERT_EQ(told.size(), 3U);
+  const Json info = Json::parse(told[0]);
+  EXPECT_EQ(info["op"], "serverInfo");
+  EXPECT_EQ(info["capabilities"], (Json{"time", "services", "assets"}));
+  const Json channels = Json::parse(told[1])["channels"];
+  EXPECT_EQ(channels[0]["topic"], "/a");
+  EXPECT_EQ(channels[1]["schemaName"], "B");
+  EXPECT_EQ(Json::parse(told[2])["services"][0]["name"], "/echo");
+}
+
+TEST_F(ViewersTest, OnlySubscribersAreSentMessages) {
+  open();
+  take();
+  EXPECT_FALSE(viewers_.wanted(shallow_));
+  viewers_.put(shallow_, 5, "lost");
+  ask({{"op", "subscribe"}, {"subscriptions", {{{"id", 7}, {"channelId", shallow_}}}}});
+  EXPECT_TRUE(viewers_.wanted(shallow_));
+  viewers_.put(shallow_, 5, "kept");
+  EXPECT_THAT(payloads(take(), 7), ElementsAre("kept"));
+  ask({{"op", "unsubscribe"}, {"subscriptionIds", {7}}});
+  EXPECT_FALSE(viewers_.wanted(shallow_));
+}
+
+TEST_F(ViewersTest, WhoSubscribesIsToldTheFirstMessage) {
+  open();
+  take();
+  ask({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", deep_}}}}});
+  EXPECT_THAT(payloads(take(), 1), ElementsAre("first"));
+}
+
+TEST_F(ViewersTest, OfASlowViewersMessagesTheOldestAreDroppedAndItIsTold) {
+  open();
+  take();
+  ask({{"op", "subscribe"},
+       {"subscriptions",
+        {{{"id", 1}, {"channelId", shallow_}}, {{"id", 2}, {"channelId", deep_}}}}});
+  take();
+  for (int i = 0; i < 5; ++i) {
+    viewers_.put(shallow_, 0, "a" + std::to_string(i));
+    viewers_.put(deep_, 0, "b" + std::to_string(i));
+  }
+  viewers_.tick(0);
+  const auto frames = take();
+  EXPECT_THAT(payloads(frames, 1), ElementsAre("a3", "a4"));
+  EXPECT_THAT(payloads(frames, 2), ElementsAre("b0", "b1", "b2", "b3", "b4"));
+  EXPECT_EQ(viewers_.figures().dropped, 3U);
+  EXPECT_EQ(Json::parse(frames.front())["level"], 1);
+  EXPECT_THAT(frames.front(), HasSubstr("3 messages were dropped"));
+}
+
+TEST_F(ViewersTest, WhatWaitsForOneViewerIsBounded) {
+  open();
+  take();
+  ask({{"op", "subscribe"}, {"subscriptions", {{{"id", 2}, {"channelId", deep_}}}}});
+  take();
+  const std::string large(Viewers::kMostBytes / 4, 'x');
+  for (int i = 0; i < 10; ++i) {
+    viewers_.put(deep_, 0, large);
+  }
+  EXPECT_EQ(payloads(take(), 2).size(), 3U);
+  EXPECT_EQ(viewers_.figures().dropped, 7U);
+}
+
+TEST_F(ViewersTest, WhoAsksMoreThanItReadsLosesItsConnection) {
+  open();
+  for (std::size_t i = 0; i <= Viewers::kMostAnswers; ++i) {
+    ask({{"op", "nonsense"}});
+  }
+  EXPECT_TRUE(socket_->closed);
+}
+
+TEST_F(ViewersTest, ServicesAnswerOrFail) {
+  open();
+  take();
+  using namespace std::string_literals;
+  owner_.received(false, "\x02\x00\x00\x00\x00\x09\x00\x00\x00\x04\x00\x00\x00json{}"s);
+  EXPECT_EQ(take(), std::vector{"\x03\x00\x00\x00\x00\x09\x00\x00\x00\x04\x00\x00\x00json{}"s});
+  owner_.received(false, "\x02\x00\x00\x00\x00\x09\x00\x00\x00\x04\x00\x00\x00jsonno"s);
+  owner_.received(false, "\x02\x01\x00\x00\x00\x09\x00\x00\x00\x04\x00\x00\x00json{}"s);
+  owner_.received(false, "\x02\x00\x00\x00\x00\x09\x00\x00\x00\x03\x00\x00\x00xml{}"s);
+  const auto failures = take();
+  ASSERT_EQ(failures.size(), 3U);
+  for (const std::string& failure : failures) {
+    EXPECT_EQ(Json::parse(failure)["op"], "serviceCallFailure");
+    EXPECT_EQ(Json::parse(failure)["callId"], 9);
+  }
+}
+
+TEST_F(ViewersTest, AssetsAreSentOrRefused) {
+  open();
+  take();
+  ask({{"op", "fetchAsset"}, {"uri", "rigwire:x"}, {"requestId", 3}});
+  ask({{"op", "fetchAsset"}, {"uri", "file:///etc/passwd"}, {"requestId", 4}});
+  const auto frames = take();
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0], protocols::foxglove::asset_frame(3, "thing"));
+  EXPECT_EQ(frames[1][5], 1);
+}
+
+TEST_F(ViewersTest, WhatIsNoRequestIsComplainedOfAndChangesNothing) {
+  open();
+  take();
+  for (const char* const text : {"", "[]", "{", R"({"op":5})", R"({"op":"subscribe"})",
+                                 R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":99}]})",
+                                 R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":0}]})",
+                                 R"({"op":"subscribe","subscriptions":[5]})",
+                                 R"({"op":"unsubscribe","subscriptionIds":[8]})",
+                                 R"({"op":"fetchAsset","uri":5,"requestId":1})"}) {
+    owner_.received(true, text);
+    const auto told = take();
+    ASSERT_EQ(told.size(), 1U) << text;
+    EXPECT_EQ(Json::parse(told[0])["level"], 2) << text;
+  }
+  EXPECT_FALSE(viewers_.wanted(shallow_));
+}
+
+TEST_F(ViewersTest, WhoLeavesIsWaitedForNoMore) {
+  open();
+  ask({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", shallow_}}}}});
+  EXPECT_EQ(viewers_.figures().viewers, 1U);
+  owner_.closed();
+  EXPECT_EQ(viewers_.figures().viewers, 0U);
+  EXPECT_FALSE(viewers_.wanted(shallow_));
+}
+
+}  // namespace
+}  // namespace rigwire::hil

@@ -72,6 +72,7 @@ COMMANDS = [
      None),
     (r"rigwire replay /tmp/rigwire/dig --from 1s --to 4s", "ends", None, None),
     (r"rigwire run excavator_pit --isolated \S+", "goes on", None, None),
+    (r"rigwire run excavator_pit --dashboard", "goes on", None, None),
     (r"rigwire run excavator_pit --clock drained .*", "an hour; control_process_test.cpp waits for clients",
      None, None),
     # Rigs and field programs.
@@ -112,7 +113,7 @@ COMMANDS = [
      "control_process_test.cpp governs a run", None, None),
     (r"build/rigwire bench.*", LONG, None, None),
     (r"build/(bench/rigwire_benchmarks|oracle_bench)", LONG, None, None),
-    (r"scripts/(plot-|lidar-peer).*", FIGURES, None, None),
+    (r"scripts/(plot-|lidar-peer|picture-dashboard).*", FIGURES, None, None),
     (r"build/rigwire run excavator_pit --duration 3s & scripts/picture-lidar\.py .*", FIGURES, None,
      None),
     (r"(apt-get|cmake(?! --install)|ninja|-DLASTools_DIR).*", "builds a program that others wrote", None, None),

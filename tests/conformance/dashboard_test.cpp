@@ -1,0 +1,63 @@
+// A run's page in a real browser: dashboard_page.py has the cases.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "child_process.h"
+#include "private_wires.h"
+
+namespace rigwire {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(Dashboard, ShowsInChromiumWhatTheWiresAndTheReportSay) {
+  const test::PrivateWires wires;
+  test::ChildProcess page(
+      {"/usr/bin/python3", RIGWIRE_SOURCE_DIR "/tests/conformance/dashboard_page.py",
+       RIGWIRE_BINARY_DIR, (wires.folder / "page").string()},
+      wires.folder / "page.log");
+  EXPECT_EQ(page.wait(600s), 0) << page.output();
+  EXPECT_THAT(page.output(), testing::HasSubstr("all seen"));
+}
+
+TEST(Dashboard, ChangesNoByteOfAnyWire) {
+  const test::PrivateWires wires;
+  const auto devices = [&](const std::string& report, const std::vector<std::string>& more) {
+    std::vector<std::string> words{RIGWIRE_BINARY_DIR "/rigwire",
+                                   "run",
+                                   "excavator_pit",
+                                   "--status",
+                                   "none",
+                                   "--clock",
+                                   "free",
+                                   "--duration",
+                                   "1s",
+                                   "--report",
+                                   (wires.folder / report).string()};
+    for (const auto& set : wires.sets()) {
+      words.insert(words.end(), {"--set", set});
+    }
+    words.insert(words.end(), more.begin(), more.end());
+    test::ChildProcess run(words, wires.folder / (report + ".log"));
+    EXPECT_EQ(run.wait(120s), 0) << run.output();
+    std::ifstream file(wires.folder / report);
+    auto told = nlohmann::json::parse(file)["devices"];
+    for (auto& device : told) {
+      device = device["stream_hash"];
+    }
+    return told;
+  };
+  const auto without = devices("without", {});
+  EXPECT_GT(without.size(), 5U);
+  EXPECT_EQ(devices("with", {"--dashboard"}), without);
+}
+
+}  // namespace
+}  // namespace rigwire

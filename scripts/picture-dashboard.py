@@ -24,6 +24,7 @@ def still(rig, arguments, folder):
     while not (told.exists() and told.read_text().endswith("\n")):
         time.sleep(0.2)
     options = webdriver.ChromeOptions()
+    options.page_load_strategy = "eager"
     for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle",
                      "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
                      f"--window-size={arguments.width},{arguments.height}", f"--user-data-dir={folder}/profile"):
@@ -47,10 +48,8 @@ def still(rig, arguments, folder):
         time.sleep(arguments.settle)
         suffix = "-dark" if arguments.dark else ""
         name = f"dashboard-{rig}{suffix}.png"
-        if arguments.whole:
-            height = browser.execute_script("return document.documentElement.scrollHeight;")
-            browser.set_window_size(arguments.width, height + 150)
-            time.sleep(2)
+        browser.execute_script('return rigwire.run.command("pause");')  # nothing beside the picture costs time
+        time.sleep(2)
         browser.save_screenshot(str(arguments.output / name))
         for entry in browser.get_log("browser"):
             print(rig, entry["level"], entry["message"])
@@ -65,7 +64,6 @@ def main():
     parser.add_argument("--width", type=int, default=1280)
     parser.add_argument("--height", type=int, default=900)
     parser.add_argument("--dark", action="store_true")
-    parser.add_argument("--whole", action="store_true", help="the whole page, not the window alone")
     parser.add_argument("--settle", type=float, default=6.0, help="seconds before the still")
     parser.add_argument("--plot", action="append", default=[], help="a quantity that is plotted")
     parser.add_argument("-o", "--output", type=pathlib.Path, default=pathlib.Path("docs/pictures"))

@@ -69,9 +69,9 @@ export class View {
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.target.set(0, 0, 1);
     this.controls.maxPolarAngle = 0.495 * Math.PI;
-    const sun = new THREE.DirectionalLight(0xfff4e0, 2.4);
+    const sun = new THREE.DirectionalLight(0xfff4e0, 1.5);
     sun.position.set(-0.4, -0.7, 1);
-    this.scene.add(sun, new THREE.HemisphereLight(0xcfe4ff, 0x6f6350, 1.6));
+    this.scene.add(sun, new THREE.HemisphereLight(0xcfe4ff, 0x6f6350, 0.9));
     const dark = matchMedia("(prefers-color-scheme: dark)");
     const sky = () => {
       this.scene.background = new THREE.Color(dark.matches ? 0x0e1113 : 0xc7dcee);

@@ -1,6 +1,6 @@
 """Looks at a run's page with Debian's Chromium, and at its wires with their real clients.
 
-    dashboard_page.py BINARY_DIR SCRATCH_DIR
+    dashboard_page.py BINARY_DIR SCRATCH_DIR [CASE ...]
 
 Starts the excavator with wires of its own and goes through CASES in one browser. Asserts on numbers
 and on pixels, never on a rate of frames: WebGL is drawn by the processor here.
@@ -214,7 +214,7 @@ def points_are_those_of_the_packets(rig, browser):
 
 def a_fault_by_its_button_reaches_a_real_client(rig, browser):
     port = 20000 + os.getpid() % 10000
-    daemon = subprocess.Popen(["gpsd", "-N", "-n", "-S", str(port), rig.wire("gnss") + ".1"])
+    daemon = subprocess.Popen(["gpsd", "-N", "-n", "-S", str(port), rig.folder / "wires/gnss.1"])
     client = subprocess.Popen(["gpspipe", "-w", f"localhost:{port}"], stdout=subprocess.PIPE, text=True)
 
     def modes():
@@ -372,7 +372,7 @@ def main():
     browser = None
     try:
         browser = open_browser(rig.page)
-        for case in CASES:
+        for case in [case for case in CASES if not sys.argv[3:] or case.__name__ in sys.argv[3:]]:
             print(case.__name__, flush=True)
             case(rig, browser)
     finally:

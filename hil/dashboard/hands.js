@@ -98,21 +98,31 @@ export class Hands {
       return; // said elsewhere: the connection is lost
     }
     const open = reply.faults.filter(({ end_ns }) => end_ns === null || end_ns > reply.time_ns);
-    this.parts.faults.replaceChildren(...open.map((fault) => {
-      const item = document.createElement("li");
+    // Buttons stay as long as their faults do, under the mouse and with the focus.
+    for (const item of [...this.parts.faults.children]) {
+      if (!open.some(({ id }) => String(id) === item.dataset.fault)) item.remove();
+    }
+    for (const fault of open) {
+      const item = this.parts.faults.querySelector(`[data-fault="${fault.id}"]`) ?? this.faultItem(fault.id);
       const left = fault.end_ns === null ? "" : `, ${((fault.end_ns - reply.time_ns) * 1e-9).toFixed(1)} s left`;
       const acts = fault.begin_ns !== null && fault.begin_ns <= reply.time_ns;
-      item.append(`${fault.where}: ${fault.type}${acts ? left : " waits"}`);
-      const undo = document.createElement("button");
-      undo.type = "button";
-      undo.textContent = "End";
-      undo.addEventListener("click", async () => {
-        await this.ask("fault_clear", { id: fault.id });
-        this.listFaults();
-      });
-      item.append(undo);
-      return item;
-    }));
+      item.firstElementChild.textContent = `${fault.where}: ${fault.type}${acts ? left : " waits"}`;
+    }
+  }
+
+  faultItem(id) {
+    const item = document.createElement("li");
+    item.dataset.fault = id;
+    const undo = document.createElement("button");
+    undo.type = "button";
+    undo.textContent = "End";
+    undo.addEventListener("click", async () => {
+      await this.ask("fault_clear", { id });
+      this.listFaults();
+    });
+    item.append(document.createElement("span"), undo);
+    this.parts.faults.append(item);
+    return item;
   }
 
   // Sticks -----------------------------------------------------------------------------------------

@@ -2,12 +2,19 @@
 
 const MOST_MESSAGES = 60;
 
-function cell(row, text, className = "") {
-  const cell = row.insertCell();
-  cell.textContent = text;
-  cell.className = className;
-  return cell;
-}
+// By column: class, and what it shows of a device that sent so many messages a second.
+const COLUMNS = [
+  ["number rate", (device, rate) => (rate === null ? "–" : rate.toFixed(1))],
+  ["number", ({ nominal_rate_hz }) => (nominal_rate_hz > 0 ? nominal_rate_hz.toFixed(1) : "–")],
+  ["number frames", ({ frames }) => whole(frames)],
+  ["number bytes", ({ bytes }) => whole(bytes)],
+  ["number", ({ lateness_p99_us }) => whole(lateness_p99_us)],
+  ["number", ({ lateness_max_us }) => whole(lateness_max_us)],
+  ["number drops", ({ dropped }) => whole(dropped)],
+  ["", ({ client_present, readers }) => (client_present ? (readers > 1 ? String(readers) : "yes") : "–")],
+  ["", ({ wire }) => wire],
+  ["", ({ last_request: asked }) => (asked ? `${(asked.time_ns * 1e-9).toFixed(1)} s ${asked.text}` : "–")],
+];
 
 const whole = (number) => Math.round(number).toLocaleString("en");
 
@@ -27,29 +34,29 @@ export class Wires {
 
   show(status) {
     const elapsed_s = this.before ? (status.time_ns - this.before.time_ns) * 1e-9 : 0;
-    this.rows.replaceChildren();
     for (const [name, device] of Object.entries(status.devices)) {
-      const row = this.rows.insertRow();
-      row.dataset.device = name;
-      const button = document.createElement("button");
-      button.type = "button";
-      button.textContent = name;
-      button.addEventListener("click", () => this.choose(name, device.wire));
-      row.insertCell().append(button);
+      const row = [...this.rows.rows].find(({ dataset }) => dataset.device === name) ?? this.newRow(name);
+      row.wire = device.wire;
       const sent = device.frames - (this.before?.devices[name]?.frames ?? device.frames);
-      cell(row, elapsed_s > 0 ? (sent / elapsed_s).toFixed(1) : "–", "number rate");
-      cell(row, device.nominal_rate_hz > 0 ? device.nominal_rate_hz.toFixed(1) : "–", "number");
-      cell(row, whole(device.frames), "number frames");
-      cell(row, whole(device.bytes), "number bytes");
-      cell(row, whole(device.lateness_p99_us), "number");
-      cell(row, whole(device.lateness_max_us), "number");
-      cell(row, whole(device.dropped), device.dropped > 0 ? "number drops bad" : "number drops");
-      cell(row, device.client_present ? (device.readers > 1 ? `${device.readers}` : "yes") : "–");
-      cell(row, device.wire);
-      cell(row, device.last_request
-        ? `${(device.last_request.time_ns * 1e-9).toFixed(1)} s ${device.last_request.text}` : "–");
+      const rate = elapsed_s > 0 ? sent / elapsed_s : null;
+      COLUMNS.forEach(([, show], index) => {
+        row.cells[index + 1].textContent = show(device, rate);
+      });
+      row.querySelector(".drops").classList.toggle("bad", device.dropped > 0);
     }
-    if (!this.before || elapsed_s > 0) this.before = status;
+    this.before = status;
+  }
+
+  newRow(name) {
+    const row = this.rows.insertRow();
+    row.dataset.device = name;
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = name;
+    button.addEventListener("click", () => this.choose(name, row.wire));
+    row.insertCell().append(button);
+    for (const [className] of COLUMNS) row.insertCell().className = className;
+    return row;
   }
 
   offer() {

@@ -314,11 +314,12 @@ void RunStream::Wire::decode(SimTime at, bool of_client, std::span<const std::ui
   if (stream_.viewers_.wanted(*messages_)) {
     Json message{{"time_ns", at.time_since_epoch().count()},
                  {"from", of_client ? "client" : "device"}};
-    const auto frame = kind_ == WireKind::can
-                           ? protocols::can::parse_frame_text({bytes.begin(), bytes.end()})
-                           : std::nullopt;
+    std::string text;
+    if (kind_ == WireKind::can) {
+      text.assign(bytes.begin(), bytes.end());
+    }
+    const auto frame = protocols::can::parse_frame_text(text);
     if (frame) {
-      std::string text(bytes.begin(), bytes.end());
       message["size"] = frame->length;
       message["signals"] = signals_of(*frame, can_messages_, text);
       message["text"] = text;

@@ -42,6 +42,11 @@ def eventually(what, look, patience_s=PATIENCE_S):
         time.sleep(0.1)
 
 
+def answers(port):
+    with socket.socket() as trial:
+        return trial.connect_ex(("127.0.0.1", port)) == 0
+
+
 class Rig:
     """An excavator that digs nowhere: it stands, and does what it is told by hand."""
 
@@ -215,6 +220,7 @@ def points_are_those_of_the_packets(rig, browser):
 def a_fault_by_its_button_reaches_a_real_client(rig, browser):
     port = 20000 + os.getpid() % 10000
     daemon = subprocess.Popen(["gpsd", "-N", "-n", "-S", str(port), rig.folder / "wires/gnss.1"])
+    eventually("gpsd listens", lambda: answers(port))
     client = subprocess.Popen(["gpspipe", "-w", f"localhost:{port}"], stdout=subprocess.PIPE, text=True)
 
     def modes():

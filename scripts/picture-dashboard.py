@@ -39,7 +39,7 @@ def still(rig, arguments, folder):
         end = time.monotonic() + PATIENCE_S
         while not browser.execute_script(
                 "return window.rigwire?.view && rigwire.run.assets.size === 0 && "
-                "rigwire.view.count.clouds > 2 && rigwire.view.entities.size > 5;"):
+                "(rigwire.view.clouds.size === 0 || rigwire.view.count.clouds > 2) && rigwire.view.entities.size > 5;"):
             if time.monotonic() > end:
                 raise SystemExit(f"{rig}: no picture within {PATIENCE_S} s")
             time.sleep(0.5)

@@ -509,6 +509,9 @@ TEST_F(WebSocketTest, AMessageBeyondTheLimitEndsTheConnection) {
   open_web_sockets(settings);
   const auto stream = connect();
   stream->write(asio::buffer(std::string(300, 'x')));
+  read(*stream);
+  EXPECT_EQ(error_, boost::beast::websocket::error::closed);
+  EXPECT_EQ(stream->reason().code, boost::beast::websocket::close_code::too_big);
   EXPECT_TRUE(wait([&] { return closed_ == 1; }));
   EXPECT_TRUE(received_.empty());
 }

@@ -17,6 +17,7 @@
 
 #include "drivers/endpoints.h"
 #include "fields/visitor.h"
+#include "hil/command_line/manual_page.h"
 #include "hil/command_line/status_reporter.h"
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/plain_text.h"
@@ -44,9 +45,9 @@ Examples:
 Exit codes: 0 done, 1 run-time failure, 2 usage or configuration, 3 environment or permission,
 128 + n after signal n.)";
 
-constexpr std::array kVerbs{"run",    "picture", "check",     "list",    "describe",
-                            "schema", "doctor",  "bench",     "conform", "ctl",
-                            "record", "replay",  "completion"};
+constexpr std::array kVerbs{"run",    "picture", "check",    "list",       "describe",
+                            "schema", "doctor",  "bench",    "conform",    "ctl",
+                            "record", "replay",  "campaign", "completion", "man"};
 
 int usage(const std::string& message, std::ostream& err, const std::string& help = "") {
   err << "rigwire: " << message << "\n"
@@ -179,6 +180,7 @@ struct Parsed {
   bool raw = false;
   std::string output;
   ConformRequest conform;
+  CampaignRequest campaign;
   std::optional<std::string> listen;
 };
 
@@ -348,9 +350,11 @@ void declare(CLI::App& app, Parsed& parsed) {
   log_level(check_app);
   check_app->footer("\nExample:\n  rigwire check excavator_pit --set devices.gnss.rate=5 --print");
 
-  CLI::App* list_app =
-      app.add_subcommand("list", "List devices, machines, scenes, rigs, faults or a rig's keys");
-  list_app->add_option("kind", parsed.word, "devices, machines, scenes, rigs, faults or keys")
+  CLI::App* list_app = app.add_subcommand(
+      "list", "List devices, machines, scenes, rigs, campaigns, faults or a rig's keys");
+  list_app
+      ->add_option("kind", parsed.word,
+                   "devices, machines, scenes, rigs, campaigns, faults or keys")
       ->required();
   list_app->add_option("rig", parsed.rig.rig, "Whose keys: name or file");
   list_app->add_option("begin", parsed.from, "With what they begin: devices.gnss.");
@@ -465,6 +469,29 @@ void declare(CLI::App& app, Parsed& parsed) {
       "  rigwire conform modbus-rtu serial:/dev/ttyUSB0@19200 --profile device.yaml modbus/6.3\n"
       "  rigwire conform nmea rig:excavator_pit#gnss@115200 --listen 20s");
 
+  CLI::App* campaign_app =
+      app.add_subcommand("campaign", "One rig many times with other values; what came out of it");
+  CampaignRequest& campaign = parsed.campaign;
+  campaign_app->add_option("action", campaign.action, "expand, run, collect or report")->required();
+  campaign_app
+      ->add_option("target", campaign.target,
+                   "Campaign's file or name; of collect and report the folder of its runs")
+      ->required();
+  campaign_app->add_option("-o,--output", campaign.output,
+                           "Of expand and run: the campaign's folder, the same each time");
+  campaign_app->add_option("--index", campaign.index, "Of run: which one, 17, or which, 0-19");
+  campaign_app->add_option("--html", campaign.html, "Of report: a page; - is standard output");
+  campaign_app
+      ->add_option("--axes", campaign.axes,
+                   "Of the page: two parameters to draw the runs over, X,Y")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  campaign_app->footer(
+      "\nExamples:\n  rigwire campaign expand forest_drive -o /tmp/drives\n"
+      "  rigwire campaign run forest_drive --index 17 -o /tmp/drives\n"
+      "  rigwire campaign collect /tmp/drives\n"
+      "  rigwire campaign report /tmp/drives --html drives.html");
+
   // Whatever follows is for the other program, --help included.
   CLI::App* bench_app =
       app.add_subcommand("bench", "Measure speed and error (starts rigwire-bench)");
@@ -474,6 +501,9 @@ void declare(CLI::App& app, Parsed& parsed) {
   CLI::App* completion_app = app.add_subcommand("completion", "Print a completion script");
   completion_app->add_option("shell", parsed.word, "bash, zsh or fish")->required();
   completion_app->footer("\nExample:\n  source <(rigwire completion bash)");
+
+  CLI::App* man_app = app.add_subcommand("man", "Print the manual page");
+  man_app->footer("\nExample:\n  rigwire man | man -l -");
 }
 
 std::optional<LogLevel> parse_log_level(const std::string& text) {
@@ -837,6 +867,13 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
   }
   if (app.got_subcommand("conform")) {
     return dispatch_conform(parsed, terminal);
+  }
+  if (app.got_subcommand("man")) {
+    terminal.out << manual_page(app, RIGWIRE_VERSION);
+    return static_cast<int>(ExitCode::done);
+  }
+  if (app.got_subcommand("campaign")) {
+    return campaign_verb(parsed.campaign, terminal);
   }
   if (app.got_subcommand("bench")) {
     return bench_verb(app.get_subcommand("bench")->remaining(), terminal);

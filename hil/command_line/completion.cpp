@@ -21,7 +21,7 @@ _rigwire() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run picture check list describe schema doctor bench conform ctl record replay completion --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run picture check list describe schema doctor bench conform ctl record replay campaign completion man --help --version" -- "$word"))
     return
   fi
   case $before in
@@ -42,19 +42,24 @@ _rigwire() {
     run) local options="--clock --patience --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --dashboard --isolated --ready-fd --dry-run --help" ;;
     picture) local options="--device --at --layer --raw --travel --set --output --help" ;;
     check) local options="--set --log-level --print --json --help" ;;
-    list) local options="devices machines scenes rigs faults keys --json --help" ;;
+    list) local options="devices machines scenes rigs campaigns faults keys --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
     conform) local options="modbus-tcp modbus-rtu nmea --list --listen --profile --make-profile --addresses --writes --robustness --allow-remote --expect --json --junit --html --beside --captures --help" ;;
-    schema) local options="rig machine scene valve-map dbc-node --help" ;;
+    schema) local options="rig machine scene valve-map dbc-node campaign --help" ;;
     record) local options="info cut export --from --to --topic --output --json --help" ;;
     replay) local options="--verify --json --clock --loop --speed --from --to --log-level --help" ;;
     ctl) local options="state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop --follow --only --stop --help" ;;
+    campaign) local options="expand run collect report --output --index --html --axes --help" ;;
     completion) local options="bash zsh fish" ;;
     *) local options="--json --help" ;;
   esac
   COMPREPLY=($(compgen -W "$options" -- "$word"))
-  if [ "$verb" = record ] || [ "$verb" = replay ]; then
+  if [ "$verb" = campaign ]; then
+    COMPREPLY+=($(compgen -W "$(rigwire list campaigns 2>/dev/null | cut -d' ' -f1)" -- "$word"))
+    COMPREPLY+=($(compgen -f -X '!*.yaml' -- "$word"))
+  fi
+  if [ "$verb" = record ] || [ "$verb" = replay ] || [ "$verb" = campaign ]; then
     COMPREPLY+=($(compgen -d -S / -- "$word"))
   fi
   if [ "$verb" = run ] || [ "$verb" = check ] || [ "$verb" = picture ]; then
@@ -79,7 +84,7 @@ _rigwire_keys() {  # of the rig that the words name, those that begin with $1
 }
 _rigwire() {
   local -a verbs
-  verbs=(run picture check list describe schema doctor bench conform ctl record replay completion)
+  verbs=(run picture check list describe schema doctor bench conform ctl record replay campaign completion man)
   if (( CURRENT == 2 )); then
     compadd -- $verbs --help --version
     return
@@ -99,19 +104,23 @@ _rigwire() {
     run) compadd -- --clock --patience --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --dashboard --isolated --ready-fd --dry-run --help ;;
     picture) compadd -- --device --at --layer --raw --travel --set --output --help ;;
     check) compadd -- --set --log-level --print --json --help ;;
-    list) compadd -- devices machines scenes rigs faults keys --json --help ;;
+    list) compadd -- devices machines scenes rigs campaigns faults keys --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
     conform) compadd -- modbus-tcp modbus-rtu nmea --list --listen --profile --make-profile --addresses --writes --robustness --allow-remote --expect --json --junit --html --beside --captures --help ;;
-    schema) compadd -- rig machine scene valve-map dbc-node ;;
+    schema) compadd -- rig machine scene valve-map dbc-node campaign ;;
     record) compadd -- info cut export --from --to --topic --output --json --help ;;
     replay) compadd -- --verify --json --clock --loop --speed --from --to --log-level --help ;;
     ctl) compadd -- state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop --follow --only --stop --help ;;
+    campaign) compadd -- expand run collect report --output --index --html --axes --help ;;
     completion) compadd -- bash zsh fish ;;
     doctor) compadd -- --json --help ;;
   esac
   case $words[2] in
     record|replay) _files -/ ;;
+    campaign)
+      compadd -- ${(f)"$(rigwire list campaigns 2>/dev/null | cut -d' ' -f1)"}
+      _files ;;
     run|picture|check)
       compadd -- ${(f)"$(rigwire list rigs 2>/dev/null | cut -d' ' -f1)"}
       _files -g '*.yaml' ;;
@@ -132,7 +141,7 @@ function __rigwire_keys  # of the rig that the words name, those that begin with
   end
 end
 complete -c rigwire -f
-complete -c rigwire -n __fish_use_subcommand -a "run picture check list describe schema doctor bench conform ctl record replay completion"
+complete -c rigwire -n __fish_use_subcommand -a "run picture check list describe schema doctor bench conform ctl record replay campaign completion man"
 complete -c rigwire -n __fish_use_subcommand -l help -d "Help"
 complete -c rigwire -n __fish_use_subcommand -l version -d "Version"
 complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -a "(rigwire list rigs | string replace -r ' .*' '')"
@@ -172,7 +181,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from run" -l ready-fd -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l dry-run
 complete -c rigwire -n "__fish_seen_subcommand_from check" -l print
 complete -c rigwire -n "__fish_seen_subcommand_from check list describe doctor record replay" -l json
-complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines scenes rigs faults keys"
+complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines scenes rigs campaigns faults keys"
 complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list devices | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -l json -r -F
@@ -191,11 +200,17 @@ complete -c rigwire -n "__fish_seen_subcommand_from conform" -l beside -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l addresses -x
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l listen -x
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l captures -x -a "(__fish_complete_directories)"
-complete -c rigwire -n "__fish_seen_subcommand_from schema" -a "rig machine scene valve-map dbc-node"
+complete -c rigwire -n "__fish_seen_subcommand_from schema" -a "rig machine scene valve-map dbc-node campaign"
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -a "state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop"
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -l follow
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -l only -x
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -l stop
+complete -c rigwire -n "__fish_seen_subcommand_from campaign" -a "expand run collect report (rigwire list campaigns | string replace -r ' .*' '')"
+complete -c rigwire -n "__fish_seen_subcommand_from campaign" -k -a "(__fish_complete_suffix .yaml)"
+complete -c rigwire -n "__fish_seen_subcommand_from campaign" -s o -l output -x -a "(__fish_complete_directories)"
+complete -c rigwire -n "__fish_seen_subcommand_from campaign" -l index -x
+complete -c rigwire -n "__fish_seen_subcommand_from campaign" -l html -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from campaign" -l axes -x
 complete -c rigwire -n "__fish_seen_subcommand_from completion" -a "bash zsh fish"
 )sh";
 

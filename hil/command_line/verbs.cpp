@@ -210,7 +210,8 @@ std::vector<std::pair<std::string, std::vector<fields::Named>>> faults_by_target
 }  // namespace
 
 int list_verb(const std::string& kind, bool json, Terminal terminal) {
-  const std::vector<std::string> kinds{"devices", "machines", "scenes", "rigs", "faults", "keys"};
+  const std::vector<std::string> kinds{"devices",   "machines", "scenes", "rigs",
+                                       "campaigns", "faults",   "keys"};
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
     return refuse_word("kind", kind, kinds, terminal);
   }

@@ -78,6 +78,16 @@ struct CtlRequest {
 /// Plays a recording on the wires of its rig.
 [[nodiscard]] int replay_verb(const std::string& folder, const ReplayedPiece& piece,
                               RunOptions options, Terminal terminal);
+/// What `rigwire campaign` was asked to do.
+struct CampaignRequest {
+  std::string action;  ///< expand, run, collect, report
+  std::string target;  ///< The campaign's file or name; of collect and report its folder.
+  std::string output;  ///< Folder.
+  std::string index;   ///< Of run: "17" or "0-19".
+  std::string html;
+  std::vector<std::string> axes;
+};
+[[nodiscard]] int campaign_verb(const CampaignRequest& request, Terminal terminal);
 [[nodiscard]] int completion_verb(const std::string& shell, Terminal terminal);
 
 /// One row per device: name, type, wire, what it sends by itself. For --dry-run.

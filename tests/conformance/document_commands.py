@@ -75,6 +75,14 @@ COMMANDS = [
     (r"rigwire run excavator_pit --dashboard", "goes on", None, None),
     (r"rigwire run excavator_pit --clock drained .*", "an hour; control_process_test.cpp waits for clients",
      None, None),
+    # Campaigns, in this order.
+    (r"rigwire campaign expand forest_drive -o \S+", "ends", None, "200 runs"),
+    (r"rigwire campaign run forest_drive --index 1 -o \S+", "ends", None, "run 1: (passed|failed)"),
+    (r"rigwire campaign collect \S+", "ends", None, "199 missing"),
+    (r"rigwire campaign report .*", "ends", None, "199 missing"),
+    (r"configs/campaigns/engines/slurm\.sh .*", "campaign_engines_test.cpp does so with a cluster of its own",
+     None, None),
+    (r"(cpack|scripts/try-package\.sh) .*", "tests/install does so", None, None),
     # Rigs and field programs.
     (r"build/find_rocks --camera 127\.0\.0\.3 .*", "goes on", ("unimog_vision",), None),
     (r"build/find_rocks --mount .*", "goes on", ("excavator_vision",), None),

@@ -98,6 +98,9 @@ TEST_F(Schema, every_valve_map_keeps_it) {
 TEST_F(Schema, every_binding_of_a_can_device_keeps_it) {
   expect_all_keep_it("dbc-node", "configs/can");
 }
+TEST_F(Schema, every_campaign_keeps_it) {
+  expect_all_keep_it("campaign", "configs/campaigns");
+}
 
 TEST_F(Schema, what_is_wrong_in_one_key_breaks_it) {
   const std::string machine = "machine: {type: excavator}\n";

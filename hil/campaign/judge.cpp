@@ -23,9 +23,9 @@ constexpr std::size_t kMostPlaces = 200;
 
 /// A record with what is derived from it and from those before.
 struct Moment {
-  double at_s = 0.0;
-  const Json* record = nullptr;
-  std::array<double, kDerivedQuantities.size()> derived{};
+  double at_s;
+  const Json* record;
+  std::array<double, kDerivedQuantities.size()> derived;
 };
 
 /// What lies at "a.b.2" in a tree; null where nothing does.
@@ -360,7 +360,7 @@ Judgement judge(const Campaign& campaign, const RunEvidence& evidence) {
   if (!truth) {
     throw std::runtime_error("the run left no truth");
   }
-  Moment moment;
+  Moment moment{};
   std::optional<Json> before;
   std::array<double, 3> last{};
   std::size_t stride = 1;

@@ -22,7 +22,7 @@ SimTime UbloxTransmitter::after(std::uint64_t burst_bytes) const {
 }
 
 bool UbloxTransmitter::enqueue(SimTime now, std::span<const std::uint8_t> message) {
-  if (message.size() > room()) {
+  if (baud_ == 0 || message.size() > room()) {
     ++messages_lost_;
     return false;
   }
@@ -60,7 +60,9 @@ SimTime UbloxTransmitter::next_event() const {
 
 void UbloxTransmitter::set_baud(std::uint32_t baud) {
   if (baud != baud_) {
-    burst_start_ = after(burst_bytes_);
+    if (baud_ > 0) {
+      burst_start_ = after(burst_bytes_);
+    }
     burst_bytes_ = 0;
     baud_ = baud;
   }

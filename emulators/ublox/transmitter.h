@@ -16,9 +16,11 @@ class UbloxTransmitter {
  public:
   static constexpr std::size_t kChunkBytes = 8;
 
+  /// Without a speed (0) the line is off until it gets one.
   UbloxTransmitter(ByteOutput& output, std::size_t capacity_bytes, std::uint32_t baud);
 
-  /// Puts a message behind what waits. Returns false, and counts it, when it does not fit.
+  /// Puts a message behind what waits. Returns false, and counts it, when it does not fit or the
+  /// line is off.
   bool enqueue(SimTime now, std::span<const std::uint8_t> message);
 
   /// Sends every chunk whose first bit leaves up to `now`.

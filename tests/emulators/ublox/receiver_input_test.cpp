@@ -168,6 +168,19 @@ TEST_F(UbloxReceiverInputTest, BaudChangeTakesEffectForWhatFollows) {
   EXPECT_EQ(receiver.baud(), 115200U);
 }
 
+// The second UART of a NEO-7P is off: it has no speed from which a new one could go on.
+TEST_F(UbloxReceiverInputTest, APortWithoutASpeedCanBeGivenOne) {
+  UbloxReceiver receiver(quiet(), calendar_, line_);
+  run(receiver, kStart + 500ms);
+  CfgPrt second = receiver.configuration().present().ports[kPortUart2];
+  ASSERT_EQ(second.baud, 0U);
+  second.baud = 115'200;
+  say(receiver, second);
+  run(receiver, now_ + 50ms);
+  EXPECT_THAT(ids(), ElementsAre(AckAck::kId));
+  EXPECT_EQ(receiver.second_baud(), 115'200U);
+}
+
 TEST_F(UbloxReceiverInputTest, VersionIsThatOfTheNeo7p) {
   UbloxReceiver receiver(quiet(), calendar_, line_);
   run(receiver, kStart + 500ms);

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 
 #include "drivers/descriptor.h"
@@ -81,7 +80,7 @@ class DescriptorLine final : public ByteLine {
   bool closed_ = false;
 };
 
-std::unique_ptr<ByteLine> open_tcp(const ByteEndpoint& endpoint) {
+std::unique_ptr<ByteLine> open_tcp(const Endpoint& endpoint) {
   sockaddr_storage to{};
   socklen_t size = 0;
   auto& v4 = reinterpret_cast<sockaddr_in&>(to);
@@ -122,89 +121,30 @@ std::unique_ptr<ByteLine> open_tcp(const ByteEndpoint& endpoint) {
   return std::make_unique<DescriptorLine>(socket.release(), true);
 }
 
-std::unique_ptr<ByteLine> open_serial(const ByteEndpoint& endpoint) {
+std::unique_ptr<ByteLine> open_serial(const Endpoint& endpoint) {
   drivers::Descriptor line(
       ::open(endpoint.address.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (!line.open() || !drivers::make_terminal_raw(line.get(), endpoint.baud)) {
+  if (!line.open() || !drivers::make_terminal_raw(line.get(), endpoint.rate)) {
     throw Unreachable(endpoint.text() + ": " + std::strerror(errno));
   }
   drivers::discard_terminal_input(line.get());
   return std::make_unique<DescriptorLine>(line.release(), false);
 }
 
-template <class Number>
-std::optional<Number> number_in(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && value > 0
-             ? std::optional(value)
-             : std::nullopt;
-}
-
 }  // namespace
 
-std::string ByteEndpoint::text() const {
-  if (kind == Kind::serial) {
-    return "serial:" + address + "@" + std::to_string(baud);
+std::unique_ptr<ByteLine> open_bytes(const Endpoint& endpoint) {
+  switch (endpoint.kind) {
+    case Endpoint::Kind::tcp:
+      return open_tcp(endpoint);
+    case Endpoint::Kind::serial:
+      return open_serial(endpoint);
+    case Endpoint::Kind::can:
+    case Endpoint::Kind::slcan:
+    case Endpoint::Kind::udp:
+      break;
   }
-  const bool v6 = address.find(':') != std::string::npos;
-  return "tcp:" + (v6 ? "[" + address + "]" : address) + ":" + std::to_string(port);
-}
-
-bool ByteEndpoint::local() const {
-  return kind == Kind::serial || address.starts_with("127.") || address == "::1";
-}
-
-std::unique_ptr<ByteLine> ByteEndpoint::open() const {
-  return kind == Kind::serial ? open_serial(*this) : open_tcp(*this);
-}
-
-std::optional<ByteEndpoint> parse_byte_endpoint(const std::string& text, std::uint16_t port,
-                                                std::uint32_t baud) {
-  ByteEndpoint endpoint;
-  endpoint.port = port;
-  endpoint.baud = baud;
-  if (text.starts_with("serial:")) {
-    endpoint.kind = ByteEndpoint::Kind::serial;
-    endpoint.address = text.substr(7);
-    const std::size_t at = endpoint.address.rfind('@');
-    if (at != std::string::npos) {
-      const auto speed =
-          number_in<std::uint32_t>(std::string_view(endpoint.address).substr(at + 1));
-      if (!speed) {
-        return std::nullopt;
-      }
-      endpoint.baud = *speed;
-      endpoint.address.resize(at);
-    }
-    return endpoint.address.empty() ? std::nullopt : std::optional(endpoint);
-  }
-  if (!text.starts_with("tcp:")) {
-    return std::nullopt;
-  }
-  std::string_view rest = std::string_view(text).substr(4);
-  std::string_view number;
-  if (rest.starts_with('[')) {
-    const std::size_t end = rest.find(']');
-    if (end == std::string_view::npos) {
-      return std::nullopt;
-    }
-    endpoint.address = rest.substr(1, end - 1);
-    rest.remove_prefix(end + 1);
-    number = rest.starts_with(':') ? rest.substr(1) : rest;
-  } else {
-    const std::size_t colon = rest.find(':');
-    endpoint.address = rest.substr(0, colon);
-    number = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
-  }
-  if (!number.empty()) {
-    const auto chosen = number_in<std::uint16_t>(number);
-    if (!chosen) {
-      return std::nullopt;
-    }
-    endpoint.port = *chosen;
-  }
-  return endpoint.address.empty() ? std::nullopt : std::optional(endpoint);
+  throw std::logic_error(endpoint.text() + " is no line of bytes");
 }
 
 }  // namespace rigwire::conform

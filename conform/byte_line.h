@@ -5,19 +5,12 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
-namespace rigwire::conform {
+#include "conform/endpoint.h"
 
-/// The way to the device, not the device: nobody listens, no permission, no such path.
-class Unreachable : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+namespace rigwire::conform {
 
 class ByteLine {
  public:
@@ -34,30 +27,16 @@ class ByteLine {
                                      Clock::time_point deadline) = 0;
   /// The other side has closed, as far as receive() has seen.
   [[nodiscard]] virtual bool closed() const = 0;
+  /// In which deadlines are: the wall's, but of an emulated device in a test, whose time is its
+  /// own.
+  [[nodiscard]] virtual Clock::time_point now() const { return Clock::now(); }
 
  protected:
   ByteLine() = default;
 };
 
-/// Where the device is, and how lines to it are opened.
-struct ByteEndpoint {
-  enum class Kind : std::uint8_t { tcp, serial };
-  Kind kind = Kind::tcp;
-  std::string address;  ///< Numeric of TCP; path of a serial line.
-  std::uint16_t port = 0;
-  std::uint32_t baud = 0;
-
-  [[nodiscard]] std::string text() const;
-  /// On this machine.
-  [[nodiscard]] bool local() const;
-  /// Throws Unreachable.
-  [[nodiscard]] std::unique_ptr<ByteLine> open() const;
-};
-
-/// "tcp:127.0.0.1:1502", "tcp:[::1]:1502", "serial:/dev/ttyUSB0@19200"; without a port or a speed
-/// those given. Empty when it is none of these.
-[[nodiscard]] std::optional<ByteEndpoint> parse_byte_endpoint(const std::string& text,
-                                                              std::uint16_t port,
-                                                              std::uint32_t baud);
+/// A connection to a server, or a serial line. Throws Unreachable; std::logic_error for an endpoint
+/// that is neither.
+[[nodiscard]] std::unique_ptr<ByteLine> open_bytes(const Endpoint& endpoint);
 
 }  // namespace rigwire::conform

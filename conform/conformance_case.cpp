@@ -25,6 +25,21 @@ std::size_t SuiteResult::count(Verdict verdict) const {
   return static_cast<std::size_t>(std::ranges::count(cases, verdict, &CaseResult::verdict));
 }
 
+Citations::Citations(std::string suite, std::string document)
+    : suite_(std::move(suite)), document_(std::move(document)) {}
+
+CaseIdentity Citations::next(const std::string& section, std::string title, Strength strength,
+                             Danger danger) {
+  return next_in(section, std::move(title), document_ + ", " + section, strength, danger);
+}
+
+CaseIdentity Citations::next_in(const std::string& chapter, std::string title, std::string source,
+                                Strength strength, Danger danger) {
+  const int number = ++numbers_[chapter];
+  return {suite_ + "/" + chapter + "/" + std::to_string(number), std::move(title),
+          std::move(source), strength, danger};
+}
+
 bool is_wanted(std::string_view id, const std::vector<std::string>& wanted) {
   return wanted.empty() || std::ranges::any_of(wanted, [&](const std::string& prefix) {
            return id.starts_with(prefix) &&

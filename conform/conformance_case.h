@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,6 +46,26 @@ struct CaseIdentity {
   std::string source;  ///< Document, revision and section.
   Strength strength = Strength::must;
   Danger danger = Danger::none;
+};
+
+/// Gives the cases of a suite their identities, numbered within each chapter in the order in which
+/// they are asked for: "modbus/6.3/1", "modbus/6.3/2".
+class Citations {
+ public:
+  Citations(std::string suite, std::string document);
+
+  /// Of a section, which is its chapter; its source is the document and the section.
+  [[nodiscard]] CaseIdentity next(const std::string& section, std::string title,
+                                  Strength strength = Strength::must, Danger danger = Danger::none);
+  /// Of a chapter that is none of the document's.
+  [[nodiscard]] CaseIdentity next_in(const std::string& chapter, std::string title,
+                                     std::string source, Strength strength = Strength::must,
+                                     Danger danger = Danger::none);
+
+ private:
+  std::string suite_;
+  std::string document_;
+  std::map<std::string, int> numbers_;  ///< Of the last, by chapter.
 };
 
 /// One thing that went over the wire, or a word about it.

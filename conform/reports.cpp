@@ -329,17 +329,20 @@ std::string html_text(std::span<const SuiteResult> results) {
   return text + "</table>\n</html>\n";
 }
 
-std::vector<std::uint8_t> capture_of(const CaseResult& result, bool serial, std::uint16_t port) {
+std::vector<std::uint8_t> capture_of(const CaseResult& result, const Endpoint& endpoint) {
   namespace pcapng = protocols::pcapng;
+  using Kind = Endpoint::Kind;
   std::vector<std::uint8_t> file;
   pcapng::append(
       file, pcapng::Section{"rigwire conform", result.identity.id + ": " + result.identity.title});
-  pcapng::append(
-      file, pcapng::Interface{serial ? pcapng::LinkType::rtac_serial : pcapng::LinkType::ethernet,
-                              "device", ""});
+  const bool bus = endpoint.kind == Kind::can || endpoint.kind == Kind::slcan;
+  const pcapng::LinkType link = endpoint.kind == Kind::serial ? pcapng::LinkType::rtac_serial
+                                : bus                         ? pcapng::LinkType::socketcan
+                                                              : pcapng::LinkType::ethernet;
+  pcapng::append(file, pcapng::Interface{link, "device", ""});
   constexpr std::uint32_t kLoopback = 0x7F00'0001;
   constexpr std::uint16_t kClientPort = 49'152;
-  pcapng::TcpConversation tcp({kLoopback, kClientPort}, {kLoopback, port});
+  pcapng::TcpConversation tcp({kLoopback, kClientPort}, {kLoopback, endpoint.port});
   using Side = pcapng::TcpConversation::Side;
   std::uint64_t at = 0;
   const auto put = [&](bool sent, std::span<const std::uint8_t> bytes, std::string_view comment) {
@@ -350,7 +353,7 @@ std::vector<std::uint8_t> capture_of(const CaseResult& result, bool serial, std:
     packet.comment = comment;
     pcapng::append(file, packet);
   };
-  if (!serial) {
+  if (endpoint.kind == Kind::tcp) {
     tcp.open([&](Side from, std::span<const std::uint8_t> bytes) {
       put(from == Side::client, bytes, "");
     });
@@ -361,14 +364,27 @@ std::vector<std::uint8_t> capture_of(const CaseResult& result, bool serial, std:
     }
     at = static_cast<std::uint64_t>(step.at.count());
     const bool sent = step.kind == Step::Kind::sent;
-    if (serial) {
-      std::vector<std::uint8_t> packet;
-      pcapng::append_serial(
-          packet, at, sent ? pcapng::Direction::inbound : pcapng::Direction::outbound, step.bytes);
-      put(sent, packet, step.words);
-    } else {
-      tcp.data(sent ? Side::client : Side::server, step.bytes,
-               [&](Side, std::span<const std::uint8_t> bytes) { put(sent, bytes, step.words); });
+    std::vector<std::uint8_t> packet;
+    switch (endpoint.kind) {
+      case Kind::serial:
+        pcapng::append_serial(packet, at,
+                              sent ? pcapng::Direction::inbound : pcapng::Direction::outbound,
+                              step.bytes);
+        put(sent, packet, step.words);
+        break;
+      case Kind::can:
+      case Kind::slcan:
+        put(sent, step.bytes, step.words);
+        break;
+      case Kind::udp:
+        pcapng::append_udp(packet, {kLoopback, kClientPort}, {kLoopback, endpoint.port},
+                           step.bytes);
+        put(sent, packet, step.words);
+        break;
+      case Kind::tcp:
+        tcp.data(sent ? Side::client : Side::server, step.bytes,
+                 [&](Side, std::span<const std::uint8_t> bytes) { put(sent, bytes, step.words); });
+        break;
     }
   }
   return file;

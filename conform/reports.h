@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "conform/conformance_case.h"
+#include "conform/endpoint.h"
 
 namespace rigwire::conform {
 
@@ -27,8 +28,9 @@ namespace rigwire::conform {
 /// One page of several endpoints beside each other, a row per case, the exchanges folded away.
 [[nodiscard]] std::string html_text(std::span<const SuiteResult> results);
 
-/// A pcapng file of one case: the bytes of a serial line, or TCP as its two ends would have met it.
-[[nodiscard]] std::vector<std::uint8_t> capture_of(const CaseResult& result, bool serial,
-                                                   std::uint16_t port);
+/// A pcapng file of one case: the bytes of a serial line, frames of a bus, datagrams as they came,
+/// or TCP as its two ends would have met it.
+[[nodiscard]] std::vector<std::uint8_t> capture_of(const CaseResult& result,
+                                                   const Endpoint& endpoint);
 
 }  // namespace rigwire::conform

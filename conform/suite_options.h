@@ -1,8 +1,11 @@
 // What of a suite is run, and who is told.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "conform/conformance_case.h"
 
 namespace rigwire::conform {
 
@@ -11,5 +14,11 @@ struct SuiteOptions {
   bool writes = false;
   bool robustness = false;  ///< The chapter of that name, which is no conformance.
 };
+
+/// What keeps a case from being tried, as its result; nothing when nothing does. `missing` is what
+/// the device does not claim, or empty.
+[[nodiscard]] std::optional<CaseResult> hindrance(const CaseIdentity& identity,
+                                                  const std::string& missing,
+                                                  const SuiteOptions& options);
 
 }  // namespace rigwire::conform

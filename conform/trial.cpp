@@ -5,23 +5,21 @@
 
 namespace rigwire::conform {
 
-Trial::Trial(CaseIdentity identity)
-    : identity_(std::move(identity)), began_(std::chrono::steady_clock::now()) {}
-
-std::chrono::nanoseconds Trial::now() const {
-  return std::chrono::steady_clock::now() - began_;
-}
+Trial::Trial(CaseIdentity identity, Clock clock)
+    : identity_(std::move(identity)), clock_(std::move(clock)), began_(clock_()) {}
 
 void Trial::note(std::string words) {
-  steps_.push_back({Step::Kind::note, now(), {}, std::move(words)});
+  steps_.push_back({Step::Kind::note, since_begin(), {}, std::move(words)});
 }
 
 void Trial::sent(std::span<const std::uint8_t> bytes, std::string words) {
-  steps_.push_back({Step::Kind::sent, now(), {bytes.begin(), bytes.end()}, std::move(words)});
+  steps_.push_back(
+      {Step::Kind::sent, since_begin(), {bytes.begin(), bytes.end()}, std::move(words)});
 }
 
 void Trial::received(std::span<const std::uint8_t> bytes, std::string words) {
-  steps_.push_back({Step::Kind::received, now(), {bytes.begin(), bytes.end()}, std::move(words)});
+  steps_.push_back(
+      {Step::Kind::received, since_begin(), {bytes.begin(), bytes.end()}, std::move(words)});
 }
 
 void Trial::find(Verdict verdict, std::string expected, std::string got) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,7 +14,10 @@ namespace rigwire::conform {
 
 class Trial {
  public:
-  explicit Trial(CaseIdentity identity);
+  using Clock = std::function<std::chrono::steady_clock::time_point()>;
+
+  /// Its steps have the time of `clock`, from now on.
+  explicit Trial(CaseIdentity identity, Clock clock = std::chrono::steady_clock::now);
 
   void note(std::string words);
   void sent(std::span<const std::uint8_t> bytes, std::string words);
@@ -35,11 +39,16 @@ class Trial {
   [[nodiscard]] bool fine() const { return !found_; }
   [[nodiscard]] CaseResult result() const;
 
+ protected:
+  /// The case begins now, and not when it was made.
+  void restart_clock() { began_ = clock_(); }
+
  private:
   void find(Verdict verdict, std::string expected, std::string got);
-  [[nodiscard]] std::chrono::nanoseconds now() const;
+  [[nodiscard]] std::chrono::nanoseconds since_begin() const { return clock_() - began_; }
 
   CaseIdentity identity_;
+  Clock clock_;
   std::chrono::steady_clock::time_point began_;
   std::optional<Verdict> found_;
   std::string expected_;

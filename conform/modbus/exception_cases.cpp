@@ -42,20 +42,18 @@ constexpr std::array<Row, 15> kRows{
 
 std::vector<ModbusCase> modbus_exception_cases() {
   std::vector<ModbusCase> all;
+  Citations citations("modbus", kApplicationProtocol);
   for (const Row& row : kRows) {
     ModbusCase& made = all.emplace_back();
-    made.identity.id = "modbus/5.1/" + std::to_string(all.size());
-    made.identity.title = row.title;
-    made.identity.source = "Modbus application protocol V1.1b3, 5.1 and 7";
-    made.identity.strength = row.strength;
+    made.identity = citations.next_in(
+        "5.1", row.title, std::string(kApplicationProtocol) + ", 5.1 and 7", row.strength);
     made.needs.without = row.code;
     made.run = [code = row.code](ModbusTrial& trial) {
       trial.refuses({code, 0, 0, 0, 1}, ExceptionCode::illegal_function);
     };
   }
   ModbusCase& longest = all.emplace_back();
-  longest.identity = {"modbus/4.1/1", "A data unit of the greatest length is answered",
-                      "Modbus application protocol V1.1b3, 4.1"};
+  longest.identity = citations.next("4.1", "A data unit of the greatest length is answered");
   longest.needs.without = 65;
   longest.run = [](ModbusTrial& trial) {
     Pdu request{65};

@@ -185,7 +185,6 @@ void run_indicator(T& trial) {
 struct Row {
   std::uint8_t function;
   const char* section;
-  int number;
   const char* title;
   Strength strength;
   void (*run)(T&);
@@ -193,27 +192,27 @@ struct Row {
 constexpr auto kMust = Strength::must;
 
 constexpr std::array kRows{
-    Row{17, "6.13", 1, "The answer has as many bytes as it counts", kMust, server_identifier},
-    Row{17, "6.13", 2, "What a device tells of itself", Strength::observed, run_indicator},
-    Row{17, "6.13", 3, "A request with a byte too many is refused", Strength::should,
+    Row{17, "6.13", "The answer has as many bytes as it counts", kMust, server_identifier},
+    Row{17, "6.13", "What a device tells of itself", Strength::observed, run_indicator},
+    Row{17, "6.13", "A request with a byte too many is refused", Strength::should,
         [](T& t) {
           t.refuses({17, 0}, ExceptionCode::illegal_data_value);
         }},
-    Row{43, "6.21", 1, "The basic stream has the three mandatory objects", kMust, basic},
-    Row{43, "6.21", 2, "The conformity level is one that there is", kMust, conformity},
-    Row{43, "6.21", 3, "The regular stream has objects up to 7F, at the level that there is", kMust,
+    Row{43, "6.21", "The basic stream has the three mandatory objects", kMust, basic},
+    Row{43, "6.21", "The conformity level is one that there is", kMust, conformity},
+    Row{43, "6.21", "The regular stream has objects up to 7F, at the level that there is", kMust,
         [](T& t) { level(t, kRegular); }},
-    Row{43, "6.21", 4, "The extended stream, at the level that there is", kMust,
+    Row{43, "6.21", "The extended stream, at the level that there is", kMust,
         [](T& t) { level(t, kExtended); }},
-    Row{43, "6.21", 5, "A single object is as in the stream", kMust, single},
-    Row{43, "6.21", 6, "A single object that there is not is refused", kMust, unknown_object},
-    Row{43, "6.21", 7, "A stream from an object that there is not begins anew", kMust,
+    Row{43, "6.21", "A single object is as in the stream", kMust, single},
+    Row{43, "6.21", "A single object that there is not is refused", kMust, unknown_object},
+    Row{43, "6.21", "A stream from an object that there is not begins anew", kMust,
         stream_from_unknown},
-    Row{43, "6.21", 8, "An access that there is not is refused", kMust,
+    Row{43, "6.21", "An access that there is not is refused", kMust,
         [](T& t) { t.refuses(identification(5, 0), ExceptionCode::illegal_data_value); }},
-    Row{43, "6.21", 9, "An access of 0 is refused", kMust,
+    Row{43, "6.21", "An access of 0 is refused", kMust,
         [](T& t) { t.refuses(identification(0, 0), ExceptionCode::illegal_data_value); }},
-    Row{43, "6.20", 1, "An interface that there is not is refused", kMust,
+    Row{43, "6.20", "An interface that there is not is refused", kMust,
         [](T& t) {
           t.refuses({43, 0x55, 1, 0}, ExceptionCode::illegal_function);
         }},
@@ -223,23 +222,20 @@ constexpr std::array kRows{
 
 std::vector<ModbusCase> modbus_identity_cases() {
   std::vector<ModbusCase> all;
-  const auto add = [&](std::string section, int number, std::string title) -> ModbusCase& {
-    ModbusCase& made = all.emplace_back();
-    made.identity.id = "modbus/" + section + "/" + std::to_string(number);
-    made.identity.title = std::move(title);
-    made.identity.source = "Modbus application protocol V1.1b3, " + section;
-    return made;
-  };
+  Citations citations("modbus", kApplicationProtocol);
   for (const Row& row : kRows) {
-    ModbusCase& made = add(row.section, row.number, row.title);
-    made.identity.strength = row.strength;
+    ModbusCase& made = all.emplace_back();
+    made.identity = citations.next(row.section, row.title, row.strength);
     made.needs.function = row.function;
     made.run = row.run;
   }
-  ModbusCase& no_identifier = add("6.13", 4, "A device without it does not know the function");
+  constexpr const char* kUnknown = "A device without it does not know the function";
+  ModbusCase& no_identifier = all.emplace_back();
+  no_identifier.identity = citations.next("6.13", kUnknown);
   no_identifier.needs.without = 17;
   no_identifier.run = [](T& t) { t.refuses({17}, ExceptionCode::illegal_function); };
-  ModbusCase& no_identity = add("6.21", 10, "A device without it does not know the function");
+  ModbusCase& no_identity = all.emplace_back();
+  no_identity.identity = citations.next("6.21", kUnknown);
   no_identity.needs.without = 43;
   no_identity.run = [](T& t) { t.refuses(identification(1, 0), ExceptionCode::illegal_function); };
   return all;

@@ -9,21 +9,6 @@ namespace modbus = protocols::modbus;
 
 namespace {
 
-/// What keeps a case from being tried; empty when nothing does.
-std::pair<Verdict, std::string> hindrance(const ModbusCase& of, const ModbusDevice& device,
-                                          const SuiteOptions& options) {
-  if (std::string reason = missing(of.needs, device); !reason.empty()) {
-    return {Verdict::not_applicable, std::move(reason)};
-  }
-  if (of.identity.danger == Danger::writes && !options.writes) {
-    return {Verdict::skipped, "it writes; asked for by --writes"};
-  }
-  if (of.identity.id.find("/robustness/") != std::string::npos && !options.robustness) {
-    return {Verdict::skipped, "no conformance; asked for by --robustness"};
-  }
-  return {Verdict::pass, ""};
-}
-
 CaseResult run_case(const ModbusCase& of, ModbusDevice& device) {
   try {
     ModbusTrial trial(of.identity, device);
@@ -77,14 +62,13 @@ SuiteResult run_modbus_suite(ModbusDevice& device, const SuiteOptions& options) 
   SuiteResult result;
   result.suite = device.serial() ? "modbus-rtu" : "modbus-tcp";
   result.endpoint = device.endpoint.text();
-  device.line = device.endpoint.open();
+  device.line = open_bytes(device.endpoint);
   for (const ModbusCase& each : modbus_cases()) {
     if (!is_wanted(each.identity.id, options.wanted)) {
       continue;
     }
-    const auto [verdict, reason] = hindrance(each, device, options);
-    result.cases.push_back(reason.empty() ? run_case(each, device)
-                                          : CaseResult{each.identity, verdict, "", reason, {}});
+    const auto hindered = hindrance(each.identity, missing(each.needs, device), options);
+    result.cases.push_back(hindered ? *hindered : run_case(each, device));
   }
   device.line.reset();
   return result;

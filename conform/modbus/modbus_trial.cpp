@@ -1,6 +1,7 @@
 #include "conform/modbus/modbus_trial.h"
 
 #include <algorithm>
+#include <array>
 #include <thread>
 
 #include "conform/modbus/modbus_words.h"
@@ -47,12 +48,29 @@ void ModbusTrial::reopen() {
   arrived_.clear();
   if (!serial() || device_->line == nullptr || device_->line->closed()) {
     device_->line.reset();
-    device_->line = device_->endpoint.open();
+    device_->line = open_bytes(device_->endpoint);
     return;
   }
   std::vector<std::uint8_t> old;
   while (device_->line->receive(old, ByteLine::Clock::now() + milliseconds(5))) {
   }
+}
+
+Pdu ModbusTrial::any_request() const {
+  struct Reading {
+    std::uint8_t function;
+    modbus::Table table;
+  };
+  constexpr std::array<Reading, 4> kReading{{{3, modbus::Table::holding_registers},
+                                             {4, modbus::Table::input_registers},
+                                             {1, modbus::Table::coils},
+                                             {2, modbus::Table::discrete_inputs}}};
+  for (const auto& [function, table] : kReading) {
+    if (claims().has(function) && !claims().table(table).empty()) {
+      return fields_pdu(function, {claims().table(table).front().first, 1});
+    }
+  }
+  return fields_pdu(3, {0, 1});
 }
 
 bool ModbusTrial::send(std::span<const std::uint8_t> bytes, std::string words) {
@@ -73,7 +91,7 @@ std::vector<std::uint8_t> ModbusTrial::framed(const Pdu& request) {
 
 std::optional<Pdu> ModbusTrial::ask(const Pdu& request) {
   if (serial()) {
-    const modbus::RtuTiming timing{endpoint().baud, claims().character};
+    const modbus::RtuTiming timing{endpoint().rate, claims().character};
     std::this_thread::sleep_for(timing.frame_silence() + milliseconds(1));
   }
   if (!send(framed(request), request_words(request))) {

@@ -23,6 +23,9 @@ namespace rigwire::conform {
 
 using Pdu = std::vector<std::uint8_t>;
 
+/// The document whose sections most cases cite.
+inline constexpr const char* kApplicationProtocol = "Modbus application protocol V1.1b3";
+
 /// A request of a function with 16-bit fields: code, then each, most significant byte first.
 [[nodiscard]] Pdu fields_pdu(std::uint8_t function, std::initializer_list<unsigned> words);
 /// `pdu` with these bytes behind it.
@@ -30,12 +33,12 @@ using Pdu = std::vector<std::uint8_t>;
 
 /// The device under test, over several cases.
 struct ModbusDevice {
-  ByteEndpoint endpoint;
+  Endpoint endpoint;
   ModbusClaims claims;
   std::unique_ptr<ByteLine> line;  ///< Of a serial endpoint kept, of TCP new for each case.
   std::uint16_t transaction = 0;   ///< Of the last request.
 
-  [[nodiscard]] bool serial() const { return endpoint.kind == ByteEndpoint::Kind::serial; }
+  [[nodiscard]] bool serial() const { return endpoint.kind == Endpoint::Kind::serial; }
 };
 
 class ModbusTrial : public Trial {
@@ -44,9 +47,11 @@ class ModbusTrial : public Trial {
   ModbusTrial(CaseIdentity identity, ModbusDevice& device);
 
   [[nodiscard]] const ModbusClaims& claims() const { return device_->claims; }
-  [[nodiscard]] const ByteEndpoint& endpoint() const { return device_->endpoint; }
+  [[nodiscard]] const Endpoint& endpoint() const { return device_->endpoint; }
   [[nodiscard]] bool serial() const { return device_->serial(); }
 
+  /// A request that every device answers, if with an exception: one item of what it has.
+  [[nodiscard]] Pdu any_request() const;
   /// Asks and waits. Nothing when no answer came in time or it was framed wrongly, which is found
   /// as a failure; the case may end then.
   [[nodiscard]] std::optional<Pdu> ask(const Pdu& request);
@@ -70,7 +75,7 @@ class ModbusTrial : public Trial {
   /// A new connection; of a serial line its input is thrown away.
   void reopen();
   /// A connection beside the first.
-  [[nodiscard]] std::unique_ptr<ByteLine> another() const { return device_->endpoint.open(); }
+  [[nodiscard]] std::unique_ptr<ByteLine> another() const { return open_bytes(device_->endpoint); }
   [[nodiscard]] ByteLine& line() { return *device_->line; }
   /// Bytes as they are. False when the device takes none.
   bool send(std::span<const std::uint8_t> bytes, std::string words);

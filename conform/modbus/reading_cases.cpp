@@ -121,13 +121,11 @@ std::vector<ModbusCase> cases_of(const ReadFunction& function) {
   const std::string section = "6." + std::to_string(function.code);
   const std::string items(function.items);
   std::vector<ModbusCase> cases;
+  Citations citations("modbus", kApplicationProtocol);
   const auto add = [&](std::string title, Strength strength,
                        void (*run)(ModbusTrial&, const ReadFunction&)) {
     ModbusCase& made = cases.emplace_back();
-    made.identity.id = "modbus/" + section + "/" + std::to_string(cases.size());
-    made.identity.title = std::move(title);
-    made.identity.source = "Modbus application protocol V1.1b3, " + section;
-    made.identity.strength = strength;
+    made.identity = citations.next(section, std::move(title), strength);
     made.needs.function = function.code;
     made.run = [run, &function](ModbusTrial& trial) { run(trial, function); };
   };

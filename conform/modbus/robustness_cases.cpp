@@ -15,18 +15,13 @@ namespace {
 
 using T = ModbusTrial;
 
-Pdu any_request(const T& trial) {
-  const auto& holding = trial.claims().table(modbus::Table::holding_registers);
-  return fields_pdu(3, {holding.empty() ? 0U : holding.front().first, 1});
-}
-
 // What is sent may be answered, or end the connection; the next connection is served.
 void survives(T& trial, const std::vector<std::uint8_t>& bytes, const std::string& what) {
   trial.sent(bytes, what);
   static_cast<void>(trial.line().send(bytes));
   std::this_thread::sleep_for(milliseconds(100));
   trial.reopen();
-  static_cast<void>(trial.ask(any_request(trial)));
+  static_cast<void>(trial.ask(trial.any_request()));
 }
 
 std::vector<std::uint8_t> header(std::uint16_t length) {
@@ -73,7 +68,7 @@ constexpr std::array kRows{
         [](T& t) {
           std::vector<std::uint8_t> bytes;
           for (int i = 0; i < 1000; ++i) {
-            const auto one = t.framed(any_request(t));
+            const auto one = t.framed(t.any_request());
             bytes.insert(bytes.end(), one.begin(), one.end());
           }
           survives(t, bytes, "a thousand requests");
@@ -97,11 +92,10 @@ constexpr std::array kRows{
 
 std::vector<ModbusCase> modbus_robustness_cases() {
   std::vector<ModbusCase> all;
+  Citations citations("modbus", "");
   for (const Row& row : kRows) {
     ModbusCase& made = all.emplace_back();
-    made.identity.id = "modbus/robustness/" + std::to_string(all.size());
-    made.identity.title = row.title;
-    made.identity.source = "No document: the device goes on";
+    made.identity = citations.next_in("robustness", row.title, "No document: the device goes on");
     made.needs.tcp = row.tcp;
     made.run = row.run;
   }

@@ -23,11 +23,6 @@ Pdu loopback() {
   return fields_pdu(modbus::kDiagnostics, {0, 0xA537});
 }
 /// One item of what it has, else what is refused.
-Pdu any_request(const T& trial) {
-  const auto& holding = trial.claims().table(modbus::Table::holding_registers);
-  return fields_pdu(3, {holding.empty() ? 0U : holding.front().first, 1});
-}
-
 std::vector<std::uint8_t> frame(std::uint8_t address, const Pdu& pdu) {
   const modbus::RtuBytes bytes = modbus::encode_rtu(address, pdu);
   return {bytes.view().begin(), bytes.view().end()};
@@ -36,27 +31,27 @@ std::vector<std::uint8_t> frame(std::uint8_t address, const Pdu& pdu) {
 // Not answered; what comes next is.
 void unanswered(T& trial, const std::vector<std::uint8_t>& bytes, const std::string& what) {
   if (trial.send(bytes, what) && trial.silent(kSilence, "no answer to " + what)) {
-    static_cast<void>(trial.ask(any_request(trial)));
+    static_cast<void>(trial.ask(trial.any_request()));
   }
 }
 
 void wrong_check(T& trial) {
-  auto bytes = frame(trial.claims().unit, any_request(trial));
+  auto bytes = frame(trial.claims().unit, trial.any_request());
   bytes.back() ^= 1U;
   unanswered(trial, bytes, "a frame with a wrong check");
 }
 
 void other_address(T& trial) {
   const std::uint8_t unit = trial.claims().unit == 77 ? 78 : 77;
-  unanswered(trial, frame(unit, any_request(trial)), "another address");
+  unanswered(trial, frame(unit, trial.any_request()), "another address");
 }
 
 void broadcast(T& trial) {
-  unanswered(trial, frame(modbus::kBroadcastAddress, any_request(trial)), "a broadcast");
+  unanswered(trial, frame(modbus::kBroadcastAddress, trial.any_request()), "a broadcast");
 }
 
 void too_short(T& trial) {
-  auto bytes = frame(trial.claims().unit, any_request(trial));
+  auto bytes = frame(trial.claims().unit, trial.any_request());
   bytes.resize(3);
   unanswered(trial, bytes, "a frame of three bytes");
 }
@@ -65,12 +60,12 @@ void after_noise(T& trial) {
   if (trial.send(std::array<std::uint8_t, 5>{0xFF, 0x00, 0xA5, 0x5A, 0x01}, "noise")) {
     std::this_thread::sleep_for(milliseconds(20));
     trial.reopen();
-    static_cast<void>(trial.ask(any_request(trial)));
+    static_cast<void>(trial.ask(trial.any_request()));
   }
 }
 
 void nothing_behind(T& trial) {
-  if (trial.ask(any_request(trial))) {
+  if (trial.ask(trial.any_request())) {
     trial.silent(milliseconds(200), "nothing behind the answer");
   }
 }
@@ -94,7 +89,7 @@ std::optional<unsigned> counter(T& trial, modbus::SubFunction which) {
 
 void counts_messages(T& trial) {
   const auto before = counter(trial, modbus::SubFunction::bus_message_count);
-  if (!before || !trial.ask(any_request(trial))) {
+  if (!before || !trial.ask(trial.any_request())) {
     return;
   }
   const auto after = counter(trial, modbus::SubFunction::bus_message_count);
@@ -109,7 +104,7 @@ void counts_wrong_checks(T& trial) {
   if (!before) {
     return;
   }
-  auto bytes = frame(trial.claims().unit, any_request(trial));
+  auto bytes = frame(trial.claims().unit, trial.any_request());
   bytes.back() ^= 1U;
   if (!trial.send(bytes, "a frame with a wrong check") ||
       !trial.silent(kSilence, "no answer to it")) {
@@ -131,7 +126,7 @@ void counts_events(T& trial) {
     return (*data)[2] * 256U + (*data)[3];
   };
   const auto before = events();
-  if (!before || !trial.ask(any_request(trial)) ||
+  if (!before || !trial.ask(trial.any_request()) ||
       !trial.refuses(fields_pdu(3, {0, 0}), ExceptionCode::illegal_data_value)) {
     return;
   }
@@ -143,46 +138,47 @@ void counts_events(T& trial) {
   }
 }
 
+enum class Document : std::uint8_t { line, application };
+
 struct Row {
   std::uint8_t function;
-  const char* suite;
+  Document document;
   const char* section;
-  int number;
   const char* title;
   Strength strength;
   void (*run)(T&);
 };
 constexpr auto kMust = Strength::must;
-constexpr const char* kLine = "modbus-rtu";
-constexpr const char* kApplication = "modbus";
+constexpr auto kLine = Document::line;
+constexpr auto kApplication = Document::application;
 
 constexpr std::array kRows{
-    Row{3, kLine, "2.5.1", 1, "A frame with a wrong check is not answered", kMust, wrong_check},
-    Row{3, kLine, "2.5.1", 2, "A frame of fewer than four bytes is not answered", kMust, too_short},
-    Row{3, kLine, "2.5.1", 3, "A frame after noise and a silence is answered", kMust, after_noise},
-    Row{3, kLine, "2.5.1", 4, "Nothing comes behind an answer", kMust, nothing_behind},
-    Row{3, kLine, "2.2", 1, "Another address is not answered", kMust, other_address},
-    Row{3, kLine, "2.2", 2, "A broadcast is not answered", kMust, broadcast},
-    Row{7, kApplication, "6.7", 1, "Exception status is a byte", kMust,
+    Row{3, kLine, "2.5.1", "A frame with a wrong check is not answered", kMust, wrong_check},
+    Row{3, kLine, "2.5.1", "A frame of fewer than four bytes is not answered", kMust, too_short},
+    Row{3, kLine, "2.5.1", "A frame after noise and a silence is answered", kMust, after_noise},
+    Row{3, kLine, "2.5.1", "Nothing comes behind an answer", kMust, nothing_behind},
+    Row{3, kLine, "2.2", "Another address is not answered", kMust, other_address},
+    Row{3, kLine, "2.2", "A broadcast is not answered", kMust, broadcast},
+    Row{7, kApplication, "6.7", "Exception status is a byte", kMust,
         [](T& t) {
           if (const auto data = t.accepts({modbus::kReadExceptionStatus})) {
             t.expect(data->size() == 1, "one byte", hex_text(*data));
           }
         }},
-    Row{8, kApplication, "6.8", 1, "Query data are returned", kMust, repeats_the_query},
-    Row{8, kApplication, "6.8", 2, "A sub-function that there is not is refused", kMust,
+    Row{8, kApplication, "6.8", "Query data are returned", kMust, repeats_the_query},
+    Row{8, kApplication, "6.8", "A sub-function that there is not is refused", kMust,
         [](T& t) {
           t.refuses(fields_pdu(modbus::kDiagnostics, {0x7FFF, 0}), ExceptionCode::illegal_function);
         }},
-    Row{8, kApplication, "6.8", 3, "Data where there are none is refused", kMust,
+    Row{8, kApplication, "6.8", "Data where there are none is refused", kMust,
         [](T& t) {
           t.refuses(fields_pdu(modbus::kDiagnostics,
                                {static_cast<unsigned>(modbus::SubFunction::bus_message_count), 1}),
                     ExceptionCode::illegal_data_value);
         }},
-    Row{8, kApplication, "6.8", 4, "Messages on the line are counted", kMust, counts_messages},
-    Row{8, kApplication, "6.8", 5, "Wrong checks are counted", kMust, counts_wrong_checks},
-    Row{11, kApplication, "6.9", 1, "Answered requests are counted, exceptions are not", kMust,
+    Row{8, kApplication, "6.8", "Messages on the line are counted", kMust, counts_messages},
+    Row{8, kApplication, "6.8", "Wrong checks are counted", kMust, counts_wrong_checks},
+    Row{11, kApplication, "6.9", "Answered requests are counted, exceptions are not", kMust,
         counts_events},
 };
 
@@ -190,15 +186,12 @@ constexpr std::array kRows{
 
 std::vector<ModbusCase> modbus_serial_cases() {
   std::vector<ModbusCase> all;
+  Citations line("modbus-rtu", "Modbus over serial line V1.02");
+  Citations application("modbus", kApplicationProtocol);
   for (const Row& row : kRows) {
     ModbusCase& made = all.emplace_back();
-    made.identity.id =
-        std::string(row.suite) + "/" + row.section + "/" + std::to_string(row.number);
-    made.identity.title = row.title;
-    made.identity.source = (row.suite == kLine ? "Modbus over serial line V1.02, "
-                                               : "Modbus application protocol V1.1b3, ") +
-                           std::string(row.section);
-    made.identity.strength = row.strength;
+    Citations& citations = row.document == Document::line ? line : application;
+    made.identity = citations.next(row.section, row.title, row.strength);
     made.needs.function = row.function;
     made.needs.serial = true;
     made.run = row.run;

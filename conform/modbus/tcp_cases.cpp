@@ -16,20 +16,6 @@ namespace {
 
 using T = ModbusTrial;
 
-/// A request that every device answers, if with an exception: one item of what it has.
-Pdu any_request(const T& trial) {
-  for (const std::uint8_t function : std::array<std::uint8_t, 4>{3, 4, 1, 2}) {
-    const auto& table = trial.claims().table(function == 3   ? modbus::Table::holding_registers
-                                             : function == 4 ? modbus::Table::input_registers
-                                             : function == 1 ? modbus::Table::coils
-                                                             : modbus::Table::discrete_inputs);
-    if (trial.claims().has(function) && !table.empty()) {
-      return fields_pdu(function, {table.front().first, 1});
-    }
-  }
-  return fields_pdu(3, {0, 1});
-}
-
 std::vector<std::uint8_t> adu(std::uint16_t transaction, std::uint16_t protocol, std::uint8_t unit,
                               const Pdu& pdu) {
   const modbus::AduBytes bytes = modbus::encode_adu({transaction, protocol, unit}, pdu);
@@ -40,7 +26,7 @@ void echoes_transactions(T& trial) {
   for (const std::uint16_t transaction :
        std::array<std::uint16_t, 4>{0x0000, 0x0001, 0x1234, 0xFFFF}) {
     Pdu pdu;
-    if (!trial.send(adu(transaction, 0, trial.claims().unit, any_request(trial)),
+    if (!trial.send(adu(transaction, 0, trial.claims().unit, trial.any_request()),
                     "transaction " + std::to_string(transaction))) {
       return;
     }
@@ -55,7 +41,7 @@ void echoes_transactions(T& trial) {
 
 void protocol_of_answers(T& trial) {
   Pdu pdu;
-  if (!trial.send(adu(7, 0, trial.claims().unit, any_request(trial)), "a request")) {
+  if (!trial.send(adu(7, 0, trial.claims().unit, trial.any_request()), "a request")) {
     return;
   }
   if (const auto header = trial.header_of_next(pdu)) {
@@ -64,7 +50,7 @@ void protocol_of_answers(T& trial) {
 }
 
 void nothing_behind(T& trial) {
-  if (trial.ask(any_request(trial))) {
+  if (trial.ask(trial.any_request())) {
     trial.silent(milliseconds(200), "nothing behind the answer");
   }
 }
@@ -84,14 +70,14 @@ void exception_header(T& trial) {
 
 // A foreign protocol's unit is dropped, and its length says where the next begins.
 void foreign_protocol(T& trial) {
-  if (trial.send(adu(1, 0x1234, trial.claims().unit, any_request(trial)), "protocol 1234 hex") &&
+  if (trial.send(adu(1, 0x1234, trial.claims().unit, trial.any_request()), "protocol 1234 hex") &&
       trial.silent(milliseconds(300), "no answer to a foreign protocol")) {
-    static_cast<void>(trial.ask(any_request(trial)));
+    static_cast<void>(trial.ask(trial.any_request()));
   }
 }
 
 void in_pieces(T& trial, std::size_t piece) {
-  const auto request = trial.framed(any_request(trial));
+  const auto request = trial.framed(trial.any_request());
   for (std::size_t at = 0; at < request.size(); at += piece) {
     const auto bytes = std::span(request).subspan(at, std::min(piece, request.size() - at));
     if (!trial.send(bytes, "a piece")) {
@@ -106,7 +92,7 @@ void together(T& trial, unsigned count) {
   std::vector<std::uint8_t> bytes;
   for (unsigned i = 0; i < count; ++i) {
     const auto one =
-        adu(static_cast<std::uint16_t>(100 + i), 0, trial.claims().unit, any_request(trial));
+        adu(static_cast<std::uint16_t>(100 + i), 0, trial.claims().unit, trial.any_request());
     bytes.insert(bytes.end(), one.begin(), one.end());
   }
   if (!trial.send(bytes, std::to_string(count) + " requests at once")) {
@@ -128,7 +114,7 @@ void together(T& trial, unsigned count) {
 }
 
 void other_unit(T& trial, std::uint8_t unit) {
-  if (!trial.send(adu(9, 0, unit, any_request(trial)), "unit " + std::to_string(unit))) {
+  if (!trial.send(adu(9, 0, unit, trial.any_request()), "unit " + std::to_string(unit))) {
     return;
   }
   std::vector<std::uint8_t> bytes;
@@ -142,19 +128,19 @@ void other_unit(T& trial, std::uint8_t unit) {
 
 void second_connection(T& trial) {
   const auto beside = trial.another();
-  const auto request = adu(3, 0, trial.claims().unit, any_request(trial));
+  const auto request = adu(3, 0, trial.claims().unit, trial.any_request());
   std::vector<std::uint8_t> bytes;
   trial.note("a second connection");
   trial.expect(beside->send(request) &&
                    beside->receive(bytes, ByteLine::Clock::now() + trial.claims().patience),
                "an answer on a second connection", "none");
-  static_cast<void>(trial.ask(any_request(trial)));
+  static_cast<void>(trial.ask(trial.any_request()));
 }
 
 void many_connections(T& trial) {
   for (int i = 0; i < 20; ++i) {
     trial.reopen();
-    if (!trial.ask(any_request(trial))) {
+    if (!trial.ask(trial.any_request())) {
       return;
     }
   }
@@ -162,7 +148,6 @@ void many_connections(T& trial) {
 
 struct Row {
   const char* section;
-  int number;
   const char* title;
   Strength strength;
   void (*run)(T&);
@@ -172,37 +157,35 @@ constexpr auto kShould = Strength::should;
 constexpr auto kObserved = Strength::observed;
 
 constexpr std::array kRows{
-    Row{"3.1.3", 1, "Transaction identifiers are repeated", kMust, echoes_transactions},
-    Row{"3.1.3", 2, "The protocol identifier of answers is 0", kMust, protocol_of_answers},
-    Row{"3.1.3", 3, "The length is that of the answer: nothing comes behind it", kMust,
+    Row{"3.1.3", "Transaction identifiers are repeated", kMust, echoes_transactions},
+    Row{"3.1.3", "The protocol identifier of answers is 0", kMust, protocol_of_answers},
+    Row{"3.1.3", "The length is that of the answer: nothing comes behind it", kMust,
         nothing_behind},
-    Row{"3.1.3", 4, "An exception has the header of its request", kMust, exception_header},
-    Row{"3.1.3", 5, "A data unit of another protocol is dropped", kMust, foreign_protocol},
-    Row{"3.1.3", 6, "A request is taken in two pieces: header, data unit", kMust,
+    Row{"3.1.3", "An exception has the header of its request", kMust, exception_header},
+    Row{"3.1.3", "A data unit of another protocol is dropped", kMust, foreign_protocol},
+    Row{"3.1.3", "A request is taken in two pieces: header, data unit", kMust,
         [](T& t) { in_pieces(t, modbus::kMbapHeaderSize); }},
-    Row{"3.1.3", 7, "A request is taken byte by byte", kMust, [](T& t) { in_pieces(t, 1); }},
-    Row{"4.4.2", 1, "Two requests in one segment are both answered", kShould,
+    Row{"3.1.3", "A request is taken byte by byte", kMust, [](T& t) { in_pieces(t, 1); }},
+    Row{"4.4.2", "Two requests in one segment are both answered", kShould,
         [](T& t) { together(t, 2); }},
-    Row{"4.4.2", 2, "Sixteen requests in one segment are all answered", kShould,
+    Row{"4.4.2", "Sixteen requests in one segment are all answered", kShould,
         [](T& t) { together(t, 16); }},
-    Row{"4.4.2", 3, "What unit 0 answers", kObserved, [](T& t) { other_unit(t, 0); }},
-    Row{"4.4.2", 4, "What unit 255 answers", kObserved, [](T& t) { other_unit(t, 255); }},
-    Row{"4.4.2", 5, "What a unit answers that is not there", kObserved,
+    Row{"4.4.2", "What unit 0 answers", kObserved, [](T& t) { other_unit(t, 0); }},
+    Row{"4.4.2", "What unit 255 answers", kObserved, [](T& t) { other_unit(t, 255); }},
+    Row{"4.4.2", "What a unit answers that is not there", kObserved,
         [](T& t) { other_unit(t, t.claims().unit == 77 ? 78 : 77); }},
-    Row{"4.2", 1, "A second connection is served beside the first", kShould, second_connection},
-    Row{"4.2", 2, "Twenty connections, one after the other", kMust, many_connections},
+    Row{"4.2", "A second connection is served beside the first", kShould, second_connection},
+    Row{"4.2", "Twenty connections, one after the other", kMust, many_connections},
 };
 
 }  // namespace
 
 std::vector<ModbusCase> modbus_tcp_cases() {
   std::vector<ModbusCase> all;
+  Citations citations("modbus-tcp", "Modbus messaging on TCP/IP V1.0b");
   for (const Row& row : kRows) {
     ModbusCase& made = all.emplace_back();
-    made.identity.id = "modbus-tcp/" + std::string(row.section) + "/" + std::to_string(row.number);
-    made.identity.title = row.title;
-    made.identity.source = "Modbus messaging on TCP/IP V1.0b, " + std::string(row.section);
-    made.identity.strength = row.strength;
+    made.identity = citations.next(row.section, row.title, row.strength);
     made.needs.tcp = true;
     made.run = row.run;
   }

@@ -36,8 +36,9 @@ std::vector<std::chrono::nanoseconds> times_of_answers(ModbusTrial& trial) {
 
 std::vector<ModbusCase> modbus_timing_cases() {
   std::vector<ModbusCase> all(2);
-  all[0].identity = {"modbus/timing/1", "99 of 100 answers come within what is claimed",
-                     "The device's claim: answer_within"};
+  Citations citations("modbus", "");
+  all[0].identity = citations.next_in("timing", "99 of 100 answers come within what is claimed",
+                                      "The device's claim: answer_within");
   all[0].needs.function = 3;
   all[0].run = [](ModbusTrial& trial) {
     const auto times = times_of_answers(trial);
@@ -47,7 +48,7 @@ std::vector<ModbusCase> modbus_timing_cases() {
                    "99 of 100 within " + text_of(trial.claims().answer_within), text_of(late));
     }
   };
-  all[1].identity = {"modbus/timing/2", "When answers come", "", Strength::observed};
+  all[1].identity = citations.next_in("timing", "When answers come", "", Strength::observed);
   all[1].needs.function = 3;
   all[1].run = [](ModbusTrial& trial) {
     const auto times = times_of_answers(trial);

@@ -420,17 +420,7 @@ struct Written {
 
 std::vector<ModbusCase> modbus_writing_cases() {
   std::vector<ModbusCase> all;
-  const char* section = "";
-  int number = 0;
-  const auto identity = [&](const char* of, std::string title) {
-    number = std::string_view(section) == of ? number + 1 : 1;
-    section = of;
-    CaseIdentity made;
-    made.id = "modbus/" + std::string(of) + "/" + std::to_string(number);
-    made.title = std::move(title);
-    made.source = "Modbus application protocol V1.1b3, " + std::string(of);
-    return made;
-  };
+  Citations citations("modbus", kApplicationProtocol);
   const std::array<Written, 6> absent{{{5, "6.5", fields_pdu(5, {0, 0})},
                                        {6, "6.6", fields_pdu(6, {0, 0})},
                                        {15, "6.11", with(fields_pdu(15, {0, 1}), {1, 0})},
@@ -443,9 +433,7 @@ std::vector<ModbusCase> modbus_writing_cases() {
         continue;
       }
       ModbusCase& made = all.emplace_back();
-      made.identity = identity(row.section, row.title);
-      made.identity.strength = row.strength;
-      made.identity.danger = row.danger;
+      made.identity = citations.next(row.section, row.title, row.strength, row.danger);
       const bool coils = row.function == 5 || row.function == 15;
       made.needs.function = row.function;
       made.needs.writable_coils = coils;
@@ -453,8 +441,9 @@ std::vector<ModbusCase> modbus_writing_cases() {
       made.run = row.run;
     }
     ModbusCase& made = all.emplace_back();
-    made.identity = identity(function.section, "A device without it does not know the function");
-    made.identity.danger = Danger::writes;
+    made.identity =
+        citations.next(function.section, "A device without it does not know the function",
+                       Strength::must, Danger::writes);
     made.needs.without = function.function;
     made.run = [request = function.request](T& trial) {
       trial.refuses(request, ExceptionCode::illegal_function);

@@ -675,19 +675,17 @@ constexpr std::array kRows{
 
 std::vector<NmeaCase> nmea_cases() {
   std::vector<NmeaCase> all;
-  int number = 0;
+  Citations citations("nmea", "");
   for (const Row& row : kRows) {
-    const std::string chapter = std::string("nmea/") + row.chapter + "/";
-    number = all.empty() || !all.back().identity.id.starts_with(chapter) ? 1 : number + 1;
-    all.push_back({{chapter + std::to_string(number), row.title,
-                    std::string("UBX-13003221 R28, ") + row.section, row.strength, Danger::none},
+    all.push_back({citations.next_in(row.chapter, row.title,
+                                     std::string("UBX-13003221 R28, ") + row.section, row.strength),
                    row.run});
   }
   return all;
 }
 
-NmeaLog listen_nmea(const ByteEndpoint& endpoint, std::chrono::nanoseconds span) {
-  const auto line = endpoint.open();
+NmeaLog listen_nmea(const Endpoint& endpoint, std::chrono::nanoseconds span) {
+  const auto line = open_bytes(endpoint);
   NmeaLog log;
   const auto begin = ByteLine::Clock::now();
   std::vector<std::uint8_t> bytes;

@@ -31,7 +31,7 @@ struct NmeaCase {
 [[nodiscard]] std::vector<NmeaCase> nmea_cases();
 
 /// Listens for that long. Throws Unreachable.
-[[nodiscard]] NmeaLog listen_nmea(const ByteEndpoint& endpoint, std::chrono::nanoseconds span);
+[[nodiscard]] NmeaLog listen_nmea(const Endpoint& endpoint, std::chrono::nanoseconds span);
 
 /// Looks through what was said.
 [[nodiscard]] SuiteResult run_nmea_suite(const NmeaLog& log, const NmeaClaims& claims,

@@ -418,7 +418,7 @@ void declare(CLI::App& app, Parsed& parsed) {
   CLI::App* conform_app =
       app.add_subcommand("conform", "Hold a device to its protocol's documents, case by case");
   ConformRequest& conform = parsed.conform;
-  conform_app->add_option("suite", conform.suite, "modbus-tcp, modbus-rtu or nmea")->required();
+  conform_app->add_option("suite", conform.suite, "modbus-tcp, modbus-rtu, nmea, ubx, canopen or j1939")->required();
   conform_app->add_option(
       "endpoint", conform.endpoint,
       "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], or rig:RIG#DEVICE[@BAUD] of ours");
@@ -467,7 +467,9 @@ void declare(CLI::App& app, Parsed& parsed) {
       "      --profile configs/profiles/valve_driver.yaml --writes\n"
       "  rigwire conform modbus-tcp tcp:127.0.0.1:502 --make-profile > device.yaml\n"
       "  rigwire conform modbus-rtu serial:/dev/ttyUSB0@19200 --profile device.yaml modbus/6.3\n"
-      "  rigwire conform nmea rig:excavator_pit#gnss@115200 --listen 20s");
+      "  rigwire conform nmea rig:excavator_pit#gnss@115200 --listen 20s\n"
+      "  rigwire conform ubx serial:/dev/ttyACM0 --make-profile > receiver.yaml\n"
+      "  rigwire conform canopen can:can0 --profile encoder.yaml --writes");
 
   CLI::App* campaign_app =
       app.add_subcommand("campaign", "One rig many times with other values; what came out of it");

@@ -3,91 +3,228 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <stdexcept>
 
+#include "conform/canopen/canopen_suite.h"
+#include "conform/j1939/j1939_suite.h"
 #include "conform/modbus/modbus_suite.h"
 #include "conform/nmea/nmea_suite.h"
 #include "conform/reports.h"
+#include "conform/ubx/ubx_suite.h"
 #include "drivers/endpoints.h"
 #include "fields/visitor.h"
-#include "hil/configuration/document.h"
-#include "hil/configuration/reader.h"
 #include "hil/conformance/profile_file.h"
+#include "hil/conformance/read_structure.h"
 #include "hil/conformance/rig_process.h"
 #include "hil/control/run.h"
 #include "hil/record/output_file.h"
 
 namespace rigwire::hil {
 
-using conform::ByteEndpoint;
 using conform::CaseResult;
+using conform::Endpoint;
 using conform::SuiteResult;
 using conform::Verdict;
 
 namespace {
-
-/// A suite, and where its devices are when nobody says otherwise.
-struct Suite {
-  std::string_view name;
-  std::uint16_t port;  ///< Of TCP; 0: devices are on serial lines.
-  std::uint32_t baud;  ///< 0: devices are on TCP.
-};
-constexpr std::array<Suite, 3> kSuites{
-    {{"modbus-tcp", 502, 0}, {"modbus-rtu", 0, 19'200}, {"nmea", 10'110, 9600}}};
-
-const Suite& suite_of(const ConformRequest& request) {
-  return *std::ranges::find(kSuites, request.suite, &Suite::name);
-}
-
-/// All cases that a device of the suite may meet.
-std::vector<conform::CaseIdentity> identities(const std::string& suite) {
-  std::vector<conform::CaseIdentity> all;
-  if (suite == "nmea") {
-    for (conform::NmeaCase& each : conform::nmea_cases()) {
-      all.push_back(std::move(each.identity));
-    }
-    return all;
-  }
-  for (conform::ModbusCase& each : conform::modbus_cases()) {
-    if (suite == "modbus-rtu" ? !each.needs.tcp : !each.needs.serial) {
-      all.push_back(std::move(each.identity));
-    }
-  }
-  return all;
-}
 
 [[noreturn]] void refuse(const std::string& what, const std::string& found,
                          const std::string& allowed) {
   throw std::invalid_argument(fmt::format("{}: found \"{}\", allowed {}", what, found, allowed));
 }
 
+using Kind = Endpoint::Kind;
+using Identities = std::vector<conform::CaseIdentity>;
+
+/// All cases that a device of the suite may meet.
+template <class Case>
+Identities identities_of(std::vector<Case> cases) {
+  Identities all;
+  for (Case& each : cases) {
+    all.push_back(std::move(each.identity));
+  }
+  return all;
+}
+
+Identities modbus_identities(bool tcp) {
+  auto cases = conform::modbus_cases();
+  std::erase_if(cases, [&](const conform::ModbusCase& each) {
+    return tcp ? each.needs.serial : each.needs.tcp;
+  });
+  return identities_of(std::move(cases));
+}
+
+/// Asks a device, or listens to it. With `request.make_profile` prints its claims to `out`, and
+/// the result is empty.
+using Ask = SuiteResult (*)(const ConformRequest& request, const Endpoint& endpoint,
+                            std::ostream& out);
+
+/// What is known of a suite before anybody is asked.
+struct Suite {
+  std::string_view name;
+  std::vector<Kind> kinds;  ///< Where its devices are.
+  std::string_view places;  ///< The same in words.
+  conform::EndpointDefaults defaults;
+  bool needs_profile = true;  ///< Else it looks through what is said without claims.
+  bool sends = true;          ///< There is something to ask for by --writes and --robustness.
+  Identities (*identities)();
+  Ask ask;
+};
+
+conform::SuiteOptions options_of(const ConformRequest& request) {
+  return {request.wanted, request.writes, request.robustness};
+}
+
+SuiteResult ask_modbus(const ConformRequest& request, const Endpoint& endpoint, std::ostream& out) {
+  conform::ModbusDevice device;
+  device.endpoint = endpoint;
+  if (request.make_profile) {
+    out << profile_text(survey_modbus(device, request.addresses), request.endpoint);
+    return {};
+  }
+  device.claims = read_modbus_profile(request.profile);
+  SuiteResult result = run_modbus_suite(device, options_of(request));
+  result.profile_hash = hash_of(profile_text(device.claims, ""));
+  return result;
+}
+
+SuiteResult ask_nmea(const ConformRequest& request, const Endpoint& endpoint, std::ostream& out) {
+  const conform::NmeaClaims claims =
+      request.profile.empty() ? conform::NmeaClaims() : read_nmea_profile(request.profile);
+  const conform::NmeaLog log = conform::listen_nmea(endpoint, request.listen);
+  if (request.make_profile) {
+    out << profile_text(survey_nmea(log), request.endpoint);
+    return {};
+  }
+  SuiteResult result = run_nmea_suite(log, claims, options_of(request));
+  result.profile_hash = hash_of(profile_text(claims, ""));
+  return result;
+}
+
+SuiteResult ask_ubx(const ConformRequest& request, const Endpoint& endpoint, std::ostream& out) {
+  conform::UbxDevice device;
+  device.open = [&endpoint] { return conform::open_bytes(endpoint); };
+  if (request.make_profile) {
+    out << profile_text(survey_ubx(device), request.endpoint);
+    return {};
+  }
+  device.claims = read_ubx_profile(request.profile);
+  SuiteResult result = run_ubx_suite(device, options_of(request));
+  result.profile_hash = hash_of(profile_text(device.claims, ""));
+  return result;
+}
+
+SuiteResult ask_canopen(const ConformRequest& request, const Endpoint& endpoint,
+                        std::ostream& out) {
+  conform::CanopenDevice device;
+  device.open = [&endpoint] { return conform::open_can(endpoint); };
+  if (request.make_profile) {
+    out << profile_text(survey_canopen(device), request.endpoint);
+    return {};
+  }
+  device.claims = read_canopen_profile(request.profile);
+  SuiteResult result = run_canopen_suite(device, options_of(request));
+  result.profile_hash = hash_of(profile_text(device.claims, ""));
+  return result;
+}
+
+SuiteResult ask_j1939(const ConformRequest& request, const Endpoint& endpoint, std::ostream& out) {
+  conform::J1939Device device;
+  device.open = [&endpoint] { return conform::open_can(endpoint); };
+  if (request.make_profile) {
+    out << profile_text(survey_j1939(device), request.endpoint);
+    return {};
+  }
+  device.claims = read_j1939_profile(request.profile);
+  SuiteResult result = run_j1939_suite(device, options_of(request));
+  result.profile_hash = hash_of(profile_text(device.claims, ""));
+  return result;
+}
+
+const std::vector<Suite>& suites() {
+  static const std::vector<Suite> all{
+      {"modbus-tcp",
+       {Kind::tcp},
+       "a server on TCP",
+       {.port = 502},
+       true,
+       true,
+       [] { return modbus_identities(true); },
+       ask_modbus},
+      {"modbus-rtu",
+       {Kind::serial},
+       "a serial line",
+       {.rate = 19'200},
+       true,
+       true,
+       [] { return modbus_identities(false); },
+       ask_modbus},
+      {"nmea",
+       {Kind::serial, Kind::tcp},
+       "a serial line, or a server on TCP",
+       {.port = 10'110, .rate = 9600},
+       false,
+       false,
+       [] { return identities_of(conform::nmea_cases()); },
+       ask_nmea},
+      {"ubx",
+       {Kind::serial, Kind::tcp},
+       "a serial line, or a server on TCP",
+       {.port = 2947, .rate = 9600},
+       true,
+       true,
+       [] { return identities_of(conform::ubx_cases()); },
+       ask_ubx},
+      {"canopen",
+       {Kind::can, Kind::slcan},
+       "an interface of the kernel, or an adapter",
+       {.rate = 250'000},
+       true,
+       true,
+       [] { return identities_of(conform::canopen_cases()); },
+       ask_canopen},
+      {"j1939",
+       {Kind::can, Kind::slcan},
+       "an interface of the kernel, or an adapter",
+       {.rate = 250'000},
+       true,
+       true,
+       [] { return identities_of(conform::j1939_cases()); },
+       ask_j1939},
+  };
+  return all;
+}
+
+const Suite& suite_of(const std::string& name) {
+  return *std::ranges::find(suites(), name, &Suite::name);
+}
+
 /// A device's place, and the run of a rig that has it.
 struct Place {
   std::unique_ptr<RigProcess> rig;
-  ByteEndpoint endpoint;
+  Endpoint endpoint;
 };
 
-/// "tcp 127.0.0.1:1502" of run.json, or the path of a serial line with what stands behind it.
-std::string endpoint_of_wire(const std::string& wire, const std::string& baud,
+/// Of a wire as run.json tells it: "tcp 127.0.0.1:1502", "slcan PATH +1", "udp 127.0.0.1:2368", or
+/// the path of a serial line with what stands behind it.
+std::string endpoint_of_wire(const std::string& wire, const std::string& rate,
                              const std::string& device) {
-  if (wire.starts_with("tcp ") && baud.empty()) {
-    return "tcp:" + wire.substr(4);
+  const std::string scheme = wire.starts_with("/") ? "serial" : wire.substr(0, wire.find(' '));
+  const std::string behind = wire.starts_with("/") ? wire : wire.substr(scheme.size() + 1);
+  const std::string endpoint = scheme + ":" + behind.substr(0, behind.find(' ')) + rate;
+  if (!conform::parse_endpoint(endpoint, {1, 1})) {
+    refuse("rig device " + device, wire, "a device on TCP, UDP, CAN or a serial line of its own");
   }
-  if (!wire.starts_with("/")) {
-    refuse("rig device " + device, wire, "a device on TCP or a serial line of its own");
-  }
-  return "serial:" + wire.substr(0, wire.find(' ')) + baud;
+  return endpoint;
 }
 
 Place open_place(const ConformRequest& request) {
-  const Suite& suite = suite_of(request);
+  const Suite& suite = suite_of(request.suite);
   Place place;
   std::string where = request.endpoint;
   if (where.starts_with("rig:")) {
@@ -100,18 +237,17 @@ Place open_place(const ConformRequest& request) {
     place.rig = std::make_unique<RigProcess>(where.substr(4, mark - 4));
     where = endpoint_of_wire(place.rig->wire(device), where.substr(at), device);
   }
-  const auto endpoint = conform::parse_byte_endpoint(where, suite.port, suite.baud);
+  const auto endpoint = conform::parse_endpoint(where, suite.defaults);
   if (!endpoint) {
     refuse("endpoint", request.endpoint,
-           "tcp:ADDRESS[:PORT], serial:PATH[@BAUD] or rig:RIG#DEVICE");
+           "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], can:INTERFACE, slcan:PATH[@BITRATE], "
+           "udp:[ADDRESS:]PORT or rig:RIG#DEVICE");
   }
   if (!endpoint->local() && !request.allow_remote) {
     refuse("endpoint", request.endpoint, "127.0.0.0/8 or ::1, others with --allow-remote");
   }
-  const bool serial = endpoint->kind == ByteEndpoint::Kind::serial;
-  if (serial ? suite.baud == 0 : suite.port == 0) {
-    refuse("endpoint of " + request.suite, request.endpoint,
-           serial ? "a server on TCP" : "a serial line");
+  if (std::ranges::find(suite.kinds, endpoint->kind) == suite.kinds.end()) {
+    refuse("endpoint of " + request.suite, request.endpoint, std::string(suite.places));
   }
   place.endpoint = *endpoint;
   return place;
@@ -147,15 +283,8 @@ void visit(fields::Visitor& v, Expectations& p) {
 }
 
 Expectations read_expectations(const std::string& file, const std::string& suite) {
-  Problems problems;
-  Origins origins;
-  Expectations expectations;
-  const Value document = load_document(file, problems);
-  if (problems.empty()) {
-    read(document, expectations, problems, origins);
-  }
-  problems.throw_if_any();
-  const auto known = identities(suite);
+  auto expectations = read_structure<Expectations>(file);
+  const Identities known = suite_of(suite).identities();
   for (const Expectation& each : expectations.deviations) {
     if (std::ranges::find(known, each.id, &conform::CaseIdentity::id) == known.end()) {
       refuse(file + ": id", each.id, "a case of `rigwire conform SUITE --list`");
@@ -200,7 +329,7 @@ SuiteResult read_result(const std::string& file) {
   }
 }
 
-void write_captures(const SuiteResult& result, const ByteEndpoint& endpoint,
+void write_captures(const SuiteResult& result, const Endpoint& endpoint,
                     const std::string& folder) {
   std::filesystem::create_directories(folder);
   for (const CaseResult& each : result.cases) {
@@ -209,8 +338,7 @@ void write_captures(const SuiteResult& result, const ByteEndpoint& endpoint,
     }
     std::string name = each.identity.id;
     std::ranges::replace(name, '/', '_');
-    const auto bytes =
-        conform::capture_of(each, endpoint.kind == ByteEndpoint::Kind::serial, endpoint.port);
+    const auto bytes = conform::capture_of(each, endpoint);
     const std::string path = folder + "/" + name + ".pcapng";
     std::ofstream file(path, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()),
@@ -222,7 +350,7 @@ void write_captures(const SuiteResult& result, const ByteEndpoint& endpoint,
 }
 
 void list_cases(const ConformRequest& request, std::ostream& out) {
-  for (const conform::CaseIdentity& each : identities(request.suite)) {
+  for (const conform::CaseIdentity& each : suite_of(request.suite).identities()) {
     if (conform::is_wanted(each.id, request.wanted)) {
       out << fmt::format("{:24} {:9} {:7} {} ({})\n", each.id, word(each.strength),
                          word(each.danger), each.title, each.source);
@@ -230,47 +358,18 @@ void list_cases(const ConformRequest& request, std::ostream& out) {
   }
 }
 
-/// Asks the device, or listens to it. With `request.make_profile` prints its claims to `out`, and
-/// the result is empty.
-SuiteResult ask(const ConformRequest& request, const ByteEndpoint& endpoint, std::ostream& out) {
-  const conform::SuiteOptions options{request.wanted, request.writes, request.robustness};
-  SuiteResult result;
-  if (request.suite == "nmea") {
-    const conform::NmeaClaims claims =
-        request.profile.empty() ? conform::NmeaClaims() : read_nmea_profile(request.profile);
-    const conform::NmeaLog log = conform::listen_nmea(endpoint, request.listen);
-    if (request.make_profile) {
-      out << profile_text(survey_nmea(log), request.endpoint);
-      return result;
-    }
-    result = run_nmea_suite(log, claims, options);
-    result.profile_hash = hash_of(profile_text(claims, ""));
-    return result;
-  }
-  conform::ModbusDevice device;
-  device.endpoint = endpoint;
-  if (request.make_profile) {
-    out << profile_text(survey_modbus(device, request.addresses), request.endpoint);
-    return result;
-  }
-  device.claims = read_modbus_profile(request.profile);
-  result = run_modbus_suite(device, options);
-  result.profile_hash = hash_of(profile_text(device.claims, ""));
-  return result;
-}
-
 }  // namespace
 
 std::vector<std::string> conformance_suites() {
   std::vector<std::string> names;
-  for (const Suite& suite : kSuites) {
+  for (const Suite& suite : suites()) {
     names.emplace_back(suite.name);
   }
   return names;
 }
 
 int conform(const ConformRequest& request, std::ostream& out, std::ostream& err) {
-  const auto all = identities(request.suite);
+  const auto all = suite_of(request.suite).identities();
   for (const std::string& wanted : request.wanted) {
     if (std::ranges::none_of(
             all, [&](const auto& each) { return conform::is_wanted(each.id, {wanted}); })) {
@@ -286,11 +385,11 @@ int conform(const ConformRequest& request, std::ostream& out, std::ostream& err)
   if (request.endpoint.empty()) {
     refuse("endpoint", "", "where the device is, or --list");
   }
-  // Who speaks by itself can be looked through without claims.
-  if (request.profile.empty() && !request.make_profile && request.suite != "nmea") {
+  const Suite& suite = suite_of(request.suite);
+  if (request.profile.empty() && !request.make_profile && suite.needs_profile) {
     refuse("--profile", "", "a file; --make-profile asks the device for one");
   }
-  if (request.suite == "nmea" && (request.writes || request.robustness)) {
+  if (!suite.sends && (request.writes || request.robustness)) {
     refuse(request.writes ? "--writes" : "--robustness", request.suite,
            "a suite that sends something");
   }
@@ -298,7 +397,7 @@ int conform(const ConformRequest& request, std::ostream& out, std::ostream& err)
   Place place;
   try {
     place = open_place(request);
-    results[0] = ask(request, place.endpoint, out);
+    results[0] = suite.ask(request, place.endpoint, out);
   } catch (const conform::Unreachable& lost) {
     throw drivers::EndpointError(lost.what());
   }

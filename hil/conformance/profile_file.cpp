@@ -10,9 +10,8 @@
 #include <string_view>
 
 #include "fields/visitor.h"
-#include "hil/configuration/document.h"
 #include "hil/configuration/outline.h"
-#include "hil/configuration/reader.h"
+#include "hil/conformance/read_structure.h"
 
 namespace rigwire::hil {
 
@@ -24,6 +23,8 @@ using protocols::modbus::Table;
 
 namespace {
 
+constexpr fields::DurationRule kSoon{1'000'000, 60'000'000'000};
+
 constexpr std::array<Choice<SerialCharacter>, 4> kCharacters{
     {{SerialCharacter::even_8e1, "8E1", "Even parity."},
      {SerialCharacter::odd_8o1, "8O1", "Odd parity."},
@@ -33,6 +34,38 @@ constexpr std::array<Choice<SerialCharacter>, 4> kCharacters{
 /// Keys of the tables, by Table.
 constexpr std::array<std::string_view, 4> kTables{"coils", "discrete_inputs", "holding_registers",
                                                   "input_registers"};
+
+std::chrono::milliseconds in_milliseconds(std::chrono::nanoseconds time) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(time);
+}
+
+/// "RMC, VTG, GGA", on lines of a hundred characters at most behind `indent`.
+std::string names_text(const std::vector<std::string>& names, std::size_t indent) {
+  constexpr std::size_t kWidth = 100;
+  std::string text;
+  std::size_t column = indent;
+  for (const std::string& name : names) {
+    const bool first = &name == names.data();
+    if (!first && column + name.size() + 3 > kWidth) {
+      text += ",\n" + std::string(indent, ' ');
+      column = indent;
+    } else if (!first) {
+      text += ", ";
+      column += 2;
+    }
+    text += name;
+    column += name.size();
+  }
+  return text;
+}
+
+/// Of a profile that was asked for; nothing without an endpoint.
+std::string begin_of(const std::string& endpoint) {
+  return endpoint.empty() ? ""
+                          : "# What " + endpoint +
+                                " answered to. Look through it: a claim is what the maker says, "
+                                "not what was found.\n";
+}
 
 std::optional<AddressRange> range_in(std::string_view text) {
   AddressRange range;
@@ -84,6 +117,67 @@ void within(const std::string& key, const std::vector<AddressRange>& writable, T
   }
 }
 
+conform::CanopenClaims claims_of(const CanopenProfile& p) {
+  conform::CanopenClaims claims;
+  claims.node = p.node;
+  claims.patience = in_milliseconds(p.patience);
+  for (const std::string& text : p.objects) {
+    conform::ObjectName object;
+    const char* const end = text.data() + text.size();
+    const auto [colon, error] = std::from_chars(text.data(), end, object.index, 16);
+    const bool indexed =
+        error == std::errc() && colon == text.data() + 4 && colon != end && *colon == ':';
+    const auto [after, wrong] = std::from_chars(indexed ? colon + 1 : end, end, object.sub);
+    if (!indexed || wrong != std::errc() || after != end) {
+      throw std::invalid_argument("objects: found \"" + text +
+                                  "\", allowed an index of four hexadecimal digits and a "
+                                  "sub-index, \"1018:1\"");
+    }
+    claims.objects.push_back(object);
+  }
+  return claims;
+}
+
+constexpr std::uint32_t kGreatestGroup = 0x3FFFF;
+
+conform::J1939Claims claims_of(const J1939Profile& p) {
+  conform::J1939Claims claims;
+  claims.address = p.address;
+  claims.patience = in_milliseconds(p.patience);
+  for (const std::string& text : p.periodic) {
+    constexpr std::string_view kBetween = " every ";
+    constexpr std::string_view kBehind = " ms";
+    conform::PeriodicGroup group;
+    std::uint32_t period_ms = 0;
+    const std::size_t between = text.find(kBetween);
+    const char* const end = text.data() + text.size();
+    bool read = between != std::string::npos && text.ends_with(kBehind);
+    if (read) {
+      const auto [after, error] = std::from_chars(text.data(), end, group.pgn);
+      const auto [behind, wrong] =
+          std::from_chars(text.data() + between + kBetween.size(), end, period_ms);
+      read = error == std::errc() && after == text.data() + between && wrong == std::errc() &&
+             behind == end - kBehind.size() && group.pgn <= kGreatestGroup && period_ms > 0 &&
+             period_ms <= 60'000;
+    }
+    if (!read) {
+      throw std::invalid_argument("periodic: found \"" + text +
+                                  "\", allowed a group up to 262143 and its period up to 60000, "
+                                  "\"61444 every 20 ms\"");
+    }
+    group.period = std::chrono::milliseconds(period_ms);
+    claims.periodic.push_back(group);
+  }
+  for (const double group : p.requested) {
+    claims.requested.push_back(static_cast<std::uint32_t>(group));
+    if (claims.requested.back() != group) {
+      throw std::invalid_argument(fmt::format("requested: found {}, allowed whole numbers, 0 .. {}",
+                                              group, kGreatestGroup));
+    }
+  }
+  return claims;
+}
+
 conform::ModbusClaims claims_of(const ModbusProfile& p) {
   conform::ModbusClaims claims;
   claims.unit = p.unit;
@@ -109,30 +203,15 @@ conform::ModbusClaims claims_of(const ModbusProfile& p) {
   claims.writable_registers = ranges_in("writable_registers", p.writable_registers);
   within("writable_coils", claims.writable_coils, Table::coils, claims);
   within("writable_registers", claims.writable_registers, Table::holding_registers, claims);
-  using std::chrono::milliseconds;
-  claims.answer_within = std::chrono::duration_cast<milliseconds>(p.answer_within);
-  claims.patience = std::chrono::duration_cast<milliseconds>(p.patience);
+  claims.answer_within = in_milliseconds(p.answer_within);
+  claims.patience = in_milliseconds(p.patience);
   claims.character = p.character;
   return claims;
-}
-
-template <class Profile>
-Profile read_profile(const std::string& file) {
-  Problems problems;
-  Origins origins;
-  Profile profile;
-  const Value document = load_document(file, problems);
-  if (problems.empty()) {
-    read(document, profile, problems, origins);
-  }
-  problems.throw_if_any();
-  return profile;
 }
 
 }  // namespace
 
 void visit(fields::Visitor& v, ModbusProfile& p) {
-  static constexpr fields::DurationRule kSoon{1'000'000, 60'000'000'000};
   v.integer("unit", p.unit, {0, 255}, "Unit identifier; on a serial line the address, 1 to 247.");
   v.number_list("functions", p.functions, plain().between(1, 127), "Function codes that it has.");
   v.texts("coils", p.coils, "Addresses as on the wire, from 0: \"0-15\", \"20\".");
@@ -172,12 +251,70 @@ void validate(const NmeaProfile& p) {
   }
 }
 
+void visit(fields::Visitor& v, UbxProfile& p) {
+  v.texts("messages", p.claims.messages,
+          "Messages that a poll is answered with: NAV-PVT, MON-VER, CFG-RATE.");
+  v.number("rate", p.claims.rate_hz, fields::in("Hz").between(0, 100),
+           "Navigation epochs per second as it is set; 0 = not claimed.");
+  v.duration("answer_within", p.answer_within, kSoon, "99 of 100 answers come within this.");
+  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+}
+
+void validate(const UbxProfile& p) {
+  for (const std::string& name : p.claims.messages) {
+    const conform::UbxMessage* const known = conform::ubx_message(name);
+    if (known == nullptr || known->poll == conform::UbxPoll::none) {
+      throw std::invalid_argument("messages: found \"" + name +
+                                  "\", allowed messages that can be polled, NAV-PVT");
+    }
+  }
+}
+
+void visit(fields::Visitor& v, CanopenProfile& p) {
+  v.integer("node", p.node, {1, 127}, "Node-ID.");
+  v.texts("objects", p.objects,
+          "Objects that can be read: index in hexadecimal, sub-index, \"1018:1\".");
+  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+}
+
+void validate(const CanopenProfile& p) {
+  static_cast<void>(claims_of(p));
+}
+
+void visit(fields::Visitor& v, J1939Profile& p) {
+  v.integer("address", p.address, {0, 253}, "Source address.");
+  v.texts("periodic", p.periodic, "Groups that come by themselves: \"61444 every 20 ms\".");
+  v.number_list("requested", p.requested, plain().between(0, kGreatestGroup),
+                "Groups that a request is answered with.");
+  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+}
+
+void validate(const J1939Profile& p) {
+  static_cast<void>(claims_of(p));
+}
+
 conform::ModbusClaims read_modbus_profile(const std::string& file) {
-  return claims_of(read_profile<ModbusProfile>(file));
+  return claims_of(read_structure<ModbusProfile>(file));
 }
 
 conform::NmeaClaims read_nmea_profile(const std::string& file) {
-  return read_profile<NmeaProfile>(file).claims;
+  return read_structure<NmeaProfile>(file).claims;
+}
+
+conform::UbxClaims read_ubx_profile(const std::string& file) {
+  const auto profile = read_structure<UbxProfile>(file);
+  conform::UbxClaims claims = profile.claims;
+  claims.answer_within = in_milliseconds(profile.answer_within);
+  claims.patience = in_milliseconds(profile.patience);
+  return claims;
+}
+
+conform::CanopenClaims read_canopen_profile(const std::string& file) {
+  return claims_of(read_structure<CanopenProfile>(file));
+}
+
+conform::J1939Claims read_j1939_profile(const std::string& file) {
+  return claims_of(read_structure<J1939Profile>(file));
 }
 
 std::string hash_of(const std::string& profile_text) {
@@ -185,23 +322,45 @@ std::string hash_of(const std::string& profile_text) {
 }
 
 std::string profile_text(const conform::NmeaClaims& claims, const std::string& endpoint) {
-  std::string text =
-      endpoint.empty()
-          ? ""
-          : "# What " + endpoint + " said. Look through it: a claim is what the maker says.\n";
-  text += "sentences: [";
-  for (const std::string& type : claims.sentences) {
-    text += (&type == claims.sentences.data() ? "" : ", ") + type;
+  return begin_of(endpoint) + fmt::format("sentences: [{}]\nrate: {} Hz\n",
+                                          names_text(claims.sentences, 12), claims.rate_hz);
+}
+
+std::string profile_text(const conform::UbxClaims& claims, const std::string& endpoint) {
+  return begin_of(endpoint) +
+         fmt::format("messages: [{}]\nrate: {} Hz\nanswer_within: {} ms\npatience: {} ms\n",
+                     names_text(claims.messages, 11), claims.rate_hz, claims.answer_within.count(),
+                     claims.patience.count());
+}
+
+std::string profile_text(const conform::CanopenClaims& claims, const std::string& endpoint) {
+  std::vector<std::string> objects;
+  for (const conform::ObjectName object : claims.objects) {
+    objects.push_back("\"" + text_of(object) + "\"");
   }
-  return text + fmt::format("]\nrate: {} Hz\n", claims.rate_hz);
+  return begin_of(endpoint) + fmt::format("node: {}\nobjects: [{}]\npatience: {} ms\n", claims.node,
+                                          names_text(objects, 10), claims.patience.count());
+}
+
+std::string profile_text(const conform::J1939Claims& claims, const std::string& endpoint) {
+  std::vector<std::string> periodic;
+  for (const conform::PeriodicGroup& group : claims.periodic) {
+    periodic.push_back(fmt::format("\"{} every {} ms\"", group.pgn, group.period.count()));
+  }
+  std::vector<std::string> requested;
+  for (const std::uint32_t group : claims.requested) {
+    requested.push_back(std::to_string(group));
+  }
+  return begin_of(endpoint) +
+         fmt::format("address: {}\nperiodic: [{}]\nrequested: [{}]\npatience: {} ms\n",
+                     claims.address, names_text(periodic, 11), names_text(requested, 12),
+                     claims.patience.count());
 }
 
 std::string profile_text(const conform::ModbusClaims& claims, const std::string& endpoint) {
-  std::string text;
+  std::string text = begin_of(endpoint);
   if (!endpoint.empty()) {
-    text += "# What " + endpoint +
-            " answered to. Look through it: a claim is what the maker says, not what was found.\n"
-            "# Nothing may be written: name writable_coils and writable_registers yourself.\n";
+    text += "# Nothing may be written: name writable_coils and writable_registers yourself.\n";
   }
   text += fmt::format("unit: {}\nfunctions: [", claims.unit);
   for (std::size_t i = 0; i < claims.functions.size(); ++i) {

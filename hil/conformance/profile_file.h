@@ -6,8 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "conform/canopen/canopen_suite.h"
+#include "conform/j1939/j1939_suite.h"
 #include "conform/modbus/modbus_claims.h"
 #include "conform/nmea/nmea_suite.h"
+#include "conform/ubx/ubx_suite.h"
 #include "fields/rules.h"
 
 namespace rigwire::hil {
@@ -38,9 +41,43 @@ void visit(fields::Visitor& v, NmeaProfile& p);
 /// Throws std::invalid_argument.
 void validate(const NmeaProfile& p);
 
+/// Of a u-blox receiver.
+struct UbxProfile {
+  conform::UbxClaims claims;
+  std::chrono::nanoseconds answer_within = std::chrono::milliseconds{500};
+  std::chrono::nanoseconds patience = std::chrono::milliseconds{1500};
+};
+void visit(fields::Visitor& v, UbxProfile& p);
+/// Throws std::invalid_argument for a message that there is not, or that cannot be polled.
+void validate(const UbxProfile& p);
+
+/// Of a node on CANopen. Objects are texts: "1018:1".
+struct CanopenProfile {
+  std::uint8_t node = 1;
+  std::vector<std::string> objects;
+  std::chrono::nanoseconds patience = std::chrono::milliseconds{500};
+};
+void visit(fields::Visitor& v, CanopenProfile& p);
+/// Throws std::invalid_argument for what names no object.
+void validate(const CanopenProfile& p);
+
+/// Of a node on J1939. Groups that come by themselves are texts: "61444 every 20 ms".
+struct J1939Profile {
+  std::uint8_t address = 0;
+  std::vector<std::string> periodic;
+  std::vector<double> requested;
+  std::chrono::nanoseconds patience = std::chrono::milliseconds{500};
+};
+void visit(fields::Visitor& v, J1939Profile& p);
+/// Throws std::invalid_argument for what names no group or no period.
+void validate(const J1939Profile& p);
+
 /// The claims of a file. Throws ConfigurationError.
 [[nodiscard]] conform::ModbusClaims read_modbus_profile(const std::string& file);
 [[nodiscard]] conform::NmeaClaims read_nmea_profile(const std::string& file);
+[[nodiscard]] conform::UbxClaims read_ubx_profile(const std::string& file);
+[[nodiscard]] conform::J1939Claims read_j1939_profile(const std::string& file);
+[[nodiscard]] conform::CanopenClaims read_canopen_profile(const std::string& file);
 /// Of the file as it would be written anew.
 [[nodiscard]] std::string hash_of(const std::string& profile_text);
 
@@ -48,6 +85,12 @@ void validate(const NmeaProfile& p);
 [[nodiscard]] std::string profile_text(const conform::ModbusClaims& claims,
                                        const std::string& endpoint);
 [[nodiscard]] std::string profile_text(const conform::NmeaClaims& claims,
+                                       const std::string& endpoint);
+[[nodiscard]] std::string profile_text(const conform::UbxClaims& claims,
+                                       const std::string& endpoint);
+[[nodiscard]] std::string profile_text(const conform::J1939Claims& claims,
+                                       const std::string& endpoint);
+[[nodiscard]] std::string profile_text(const conform::CanopenClaims& claims,
                                        const std::string& endpoint);
 
 }  // namespace rigwire::hil

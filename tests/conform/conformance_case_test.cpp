@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "conform/byte_line.h"
+#include "conform/endpoint.h"
 #include "conform/reports.h"
 #include "conform/trial.h"
 #include "protocols/pcapng/pcapng.h"
@@ -23,7 +23,7 @@ TEST(ConformanceCase, IsWantedByItsIdentityOrItsBeginAtASlash) {
 
 TEST(ConformanceCase, EndpointsAreReadOrNone) {
   const auto text = [](const std::string& written) {
-    const auto endpoint = parse_byte_endpoint(written, 502, 9600);
+    const auto endpoint = parse_endpoint(written, {502, 9600});
     return endpoint ? endpoint->text() : "";
   };
   EXPECT_EQ(text("tcp:127.0.0.1"), "tcp:127.0.0.1:502");
@@ -32,9 +32,15 @@ TEST(ConformanceCase, EndpointsAreReadOrNone) {
   EXPECT_EQ(text("tcp:[::1]"), "tcp:[::1]:502");
   EXPECT_EQ(text("serial:/dev/ttyS0"), "serial:/dev/ttyS0@9600");
   EXPECT_EQ(text("serial:/dev/ttyS0@115200"), "serial:/dev/ttyS0@115200");
-  for (const char* wrong :
-       {"", "tcp:", "tcp:1.2.3.4:", "tcp:1.2.3.4:0", "tcp:1.2.3.4:70000", "tcp:[::1",
-        "serial:", "serial:@9600", "serial:/dev/x@", "udp:1.2.3.4", "serial:/dev/x@fast"}) {
+  EXPECT_EQ(text("can:can0"), "can:can0");
+  EXPECT_EQ(text("slcan:/dev/ttyACM0@250000"), "slcan:/dev/ttyACM0@250000");
+  EXPECT_EQ(text("slcan:/dev/ttyACM0"), "slcan:/dev/ttyACM0@9600");
+  EXPECT_EQ(text("udp:2368"), "udp:2368");
+  EXPECT_EQ(text("udp:"), "udp:502");
+  EXPECT_EQ(text("udp:127.0.0.1:2368"), "udp:127.0.0.1:2368");
+  for (const char* wrong : {"", "tcp", "tcp:", "can:", "slcan:@250000", "usb:1", "udp:70000",
+                            "tcp:1.2.3.4:", "tcp:1.2.3.4:0", "tcp:1.2.3.4:70000", "tcp:[::1",
+                            "serial:", "serial:@9600", "serial:/dev/x@", "serial:/dev/x@fast"}) {
     const std::string found = text(wrong);
     EXPECT_TRUE(found.empty() || found == "tcp:1.2.3.4:502") << wrong << ": " << found;
   }
@@ -97,8 +103,11 @@ TEST(Reports, MarkupIsEscaped) {
 
 TEST(Reports, ACaptureHasEveryByteThatWentOver) {
   namespace pcapng = protocols::pcapng;
-  for (const bool serial : {false, true}) {
-    const auto file = capture_of(some_result().cases[0], serial, 1502);
+  using Kind = Endpoint::Kind;
+  // Of TCP the handshake, too.
+  for (const auto& [kind, expected] : {std::pair{Kind::tcp, 3U + 2U}, std::pair{Kind::serial, 2U},
+                                       std::pair{Kind::slcan, 2U}, std::pair{Kind::udp, 2U}}) {
+    const auto file = capture_of(some_result().cases[0], {kind, "", 1502});
     pcapng::Reader reader;
     std::size_t packets = 0;
     for (std::span<const std::uint8_t> rest(file); !rest.empty();) {
@@ -107,7 +116,7 @@ TEST(Reports, ACaptureHasEveryByteThatWentOver) {
       packets += std::holds_alternative<pcapng::Packet>(*block) ? 1 : 0;
       rest = rest.subspan(block.consumed());
     }
-    EXPECT_EQ(packets, serial ? 2U : 3U + 2U);
+    EXPECT_EQ(packets, expected);
   }
 }
 

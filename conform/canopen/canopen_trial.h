@@ -1,0 +1,130 @@
+// A case of the suite canopen while it runs: a master's questions to one node by SDO, its commands,
+// and what the node says by itself. The frames are made here, from CiA 301 V4.2.0, 7.2.4.3.
+//
+// Whatever a case is about: an answer of SDO has eight bytes and repeats index and sub-index.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "conform/can_line.h"
+#include "conform/trial.h"
+
+namespace rigwire::conform {
+
+using protocols::can::Frame;
+using CanBytes = std::vector<std::uint8_t>;
+
+struct ObjectName {
+  std::uint16_t index = 0;
+  std::uint8_t sub = 0;
+
+  friend bool operator==(const ObjectName&, const ObjectName&) = default;
+};
+/// "1018:1".
+[[nodiscard]] std::string text_of(ObjectName object);
+
+/// What a node claims.
+struct CanopenClaims {
+  std::uint8_t node = 1;
+  std::vector<ObjectName> objects;  ///< That can be read.
+  std::chrono::milliseconds patience{500};
+
+  [[nodiscard]] bool has(ObjectName object) const;
+};
+
+/// The node under test, over several cases.
+struct CanopenDevice {
+  std::function<std::unique_ptr<CanLine>()> open;  ///< May throw Unreachable.
+  CanopenClaims claims;
+  std::unique_ptr<CanLine> line;
+};
+
+/// What an SDO came to: data, or why not.
+struct SdoResult {
+  CanBytes data;
+  std::optional<std::uint32_t> abort;
+
+  [[nodiscard]] std::uint32_t number() const;  ///< Of up to four bytes, least significant first.
+  [[nodiscard]] std::string text() const;
+};
+/// "06020000 (no such object)".
+[[nodiscard]] std::string abort_text(std::uint32_t code);
+
+class CanopenTrial : public Trial {
+ public:
+  /// Precondition: the line is open.
+  CanopenTrial(CaseIdentity identity, CanopenDevice& device);
+
+  [[nodiscard]] const CanopenClaims& claims() const { return device_->claims; }
+  [[nodiscard]] CanLine::Clock::time_point now() const { return device_->line->now(); }
+
+  bool send(const Frame& frame, std::string words);
+  /// Of identifier and bytes, eleven bits.
+  bool send(std::uint32_t id, CanBytes bytes, std::string words);
+  /// Eight bytes to the node's SDO server, with zeros behind.
+  bool request(CanBytes bytes, std::string words);
+  /// The next frame with that identifier, shown; others are dropped.
+  [[nodiscard]] std::optional<Frame> hear(std::uint32_t id, std::chrono::nanoseconds within);
+  struct Heard {
+    Frame frame;
+    std::chrono::nanoseconds at{};
+  };
+  /// All with that identifier in this time; the first ones are shown.
+  [[nodiscard]] std::vector<Heard> listen(std::uint32_t id, std::chrono::nanoseconds span);
+  /// What has come so far is forgotten.
+  void drain();
+
+  /// Eight bytes of the SDO server; nothing when none came, which is found.
+  [[nodiscard]] std::optional<CanBytes> answer();
+  /// Nothing comes of the SDO server.
+  bool unanswered(const std::string& about);
+
+  /// Reads, in segments where the node wants them. Nothing where it broke the protocol or was
+  /// silent, which is found.
+  [[nodiscard]] std::optional<SdoResult> upload(ObjectName object);
+  /// Writes up to four bytes at once.
+  [[nodiscard]] std::optional<SdoResult> download(ObjectName object, const CanBytes& data);
+  /// A number; an abort is found.
+  [[nodiscard]] std::optional<std::uint32_t> number(ObjectName object);
+  bool write(ObjectName object, const CanBytes& data);
+  /// An abort with one of these codes.
+  bool aborts(const std::optional<SdoResult>& result, std::initializer_list<std::uint32_t> codes);
+
+  [[nodiscard]] std::uint32_t with_node(std::uint32_t base) const { return base + claims().node; }
+  /// A command of network management to the node.
+  bool command(std::uint8_t code, const std::string& words);
+  /// Runs with a heartbeat of 100 ms, and puts back what was set.
+  void with_heartbeat(const std::function<void()>& run);
+  /// The state that the next heartbeat tells.
+  bool expect_state(std::uint8_t state, const std::string& name);
+
+ private:
+  [[nodiscard]] bool segments(ObjectName object, std::optional<std::uint32_t> announced,
+                              CanBytes& data);
+
+  CanopenDevice* device_;
+};
+
+[[nodiscard]] CanBytes little(std::uint32_t value, std::size_t bytes);
+
+struct CanopenCase {
+  CaseIdentity identity;
+  std::vector<ObjectName> needs;
+  std::function<void(CanopenTrial&)> run;
+};
+
+// The chapters.
+[[nodiscard]] std::vector<CanopenCase> canopen_sdo_cases(Citations& cia301);
+[[nodiscard]] std::vector<CanopenCase> canopen_object_cases(Citations& cia301);
+[[nodiscard]] std::vector<CanopenCase> canopen_network_cases(Citations& cia301);
+[[nodiscard]] std::vector<CanopenCase> canopen_pdo_cases(Citations& cia301);
+[[nodiscard]] std::vector<CanopenCase> canopen_encoder_cases();
+
+}  // namespace rigwire::conform

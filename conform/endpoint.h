@@ -1,0 +1,48 @@
+// Where a device under test is: the one grammar for all suites.
+//
+//   tcp:127.0.0.1:1502, tcp:[::1]:1502     a server; a numeric address
+//   serial:/dev/ttyUSB0@19200              raw, eight bits
+//   can:can0                               an interface of the kernel
+//   slcan:/dev/ttyACM0@250000              a bus behind an adapter on a serial line, and its bit
+//   rate udp:2368, udp:127.0.0.1:2368           where it sends to: this machine's address, or all
+//   of them
+//
+// What is left out (port, speed, bit rate) is the suite's.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace rigwire::conform {
+
+/// The way to the device, not the device: nobody listens, no permission, no such path.
+class Unreachable : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Endpoint {
+  enum class Kind : std::uint8_t { tcp, serial, can, slcan, udp };
+  Kind kind = Kind::tcp;
+  std::string address;     ///< Numeric of TCP and UDP (empty: every one), else interface or path.
+  std::uint16_t port = 0;  ///< Of TCP and UDP.
+  std::uint32_t rate = 0;  ///< Bits per second of a serial line or a bus; 0: whatever it has.
+
+  [[nodiscard]] std::string text() const;
+  /// On this machine.
+  [[nodiscard]] bool local() const;
+};
+
+/// What an endpoint has that does not say it.
+struct EndpointDefaults {
+  std::uint16_t port = 0;
+  std::uint32_t rate = 0;
+};
+
+/// Nothing when it is none of these.
+[[nodiscard]] std::optional<Endpoint> parse_endpoint(const std::string& text,
+                                                     const EndpointDefaults& defaults);
+
+}  // namespace rigwire::conform

@@ -1,0 +1,129 @@
+#include "conform/j1939/j1939_suite.h"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+
+namespace rigwire::conform {
+
+using std::chrono::milliseconds;
+
+namespace {
+
+std::string missing(const J1939Case& of, const J1939Claims& claims) {
+  const auto has = [&](std::uint32_t pgn) {
+    return std::ranges::find(claims.requested, pgn) != claims.requested.end();
+  };
+  if (of.periodic != 0 && std::ranges::find(claims.periodic, of.periodic, &PeriodicGroup::pgn) ==
+                              claims.periodic.end()) {
+    return "group " + pgn_text(of.periodic) + " is not claimed to come by itself";
+  }
+  if (of.requested != 0 && !has(of.requested)) {
+    return "group " + pgn_text(of.requested) + " is not claimed";
+  }
+  return of.long_group && !long_group_of(claims) ? "no group of more than eight bytes is claimed"
+                                                 : "";
+}
+
+/// Opens the bus and claims an address there.
+void open_line(J1939Device& device) {
+  device.line = device.open();
+  J1939Trial trial({}, device);
+  // Function 129 (off-board diagnostic-service tool) of the global group.
+  static_cast<void>(trial.send(J1939Trial::kClaim, J1939Trial::kEverybody,
+                               {0x01, 0x00, 0xE0, 0xFF, 0x00, 129, 0x00, 0x00}, "a claim"));
+  static_cast<void>(trial.listen(milliseconds(300)));
+}
+
+milliseconds rounded(double period_ms) {
+  const double step = period_ms < 30 ? 1.0 : period_ms < 300 ? 10.0 : 50.0;
+  return milliseconds(static_cast<int>(step * static_cast<int>(period_ms / step + 0.5)));
+}
+
+}  // namespace
+
+std::vector<J1939Case> j1939_cases() {
+  std::vector<J1939Case> all;
+  for (auto* chapter : {j1939_network_cases, j1939_transport_cases, j1939_group_cases}) {
+    std::ranges::move(chapter(), std::back_inserter(all));
+  }
+  return all;
+}
+
+SuiteResult run_j1939_suite(J1939Device& device, const SuiteOptions& options) {
+  SuiteResult result;
+  result.suite = "j1939";
+  open_line(device);
+  for (const J1939Case& each : j1939_cases()) {
+    if (!is_wanted(each.identity.id, options.wanted)) {
+      continue;
+    }
+    if (auto hindered = hindrance(each.identity, missing(each, device.claims), options)) {
+      result.cases.push_back(std::move(*hindered));
+      continue;
+    }
+    J1939Trial trial(each.identity, device);
+    each.run(trial);
+    result.cases.push_back(trial.result());
+  }
+  device.line.reset();
+  return result;
+}
+
+J1939Claims survey_j1939(J1939Device& device) {
+  open_line(device);
+  J1939Claims claims = device.claims;
+  claims.periodic.clear();
+  claims.requested.clear();
+  // Who says how much, and when what.
+  std::map<std::uint8_t, std::map<std::uint32_t, std::vector<double>>> heard;
+  const auto begin = device.line->now();
+  constexpr std::chrono::seconds kSpan{6};
+  while (const auto frame = device.line->receive(begin + kSpan)) {
+    if (frame->extended && !frame->remote) {
+      const std::uint32_t pgn = frame->id >> 8U & 0x3FFFFU;
+      heard[static_cast<std::uint8_t>(frame->id)][pgn].push_back(
+          std::chrono::duration<double, std::milli>(device.line->now() - begin).count());
+    }
+  }
+  if (heard.empty()) {
+    throw Unreachable("nobody says anything on the bus in 6 s");
+  }
+  const auto most = std::ranges::max_element(heard, {}, [](const auto& each) {
+    std::size_t frames = 0;
+    for (const auto& [pgn, times] : each.second) {
+      frames += times.size();
+    }
+    return frames;
+  });
+  claims.address = most->first;
+  for (const auto& [pgn, times] : most->second) {
+    if (times.size() >= 3 && (pgn >> 8U & 0xFFU) >= 240U) {
+      std::vector<double> gaps;
+      for (std::size_t i = 1; i < times.size(); ++i) {
+        gaps.push_back(times[i] - times[i - 1]);
+      }
+      std::ranges::sort(gaps);
+      claims.periodic.push_back({pgn, rounded(gaps[gaps.size() / 2])});
+    }
+  }
+  device.claims = claims;
+  for (const std::uint32_t pgn : groups_to_ask_for()) {
+    J1939Case asked;
+    for (J1939Case& each : j1939_cases()) {
+      if (each.requested == pgn) {
+        asked = std::move(each);
+      }
+    }
+    J1939Trial trial({}, device);
+    asked.run(trial);
+    if (trial.fine()) {
+      claims.requested.push_back(pgn);
+    }
+  }
+  device.line.reset();
+  device.claims = claims;
+  return claims;
+}
+
+}  // namespace rigwire::conform

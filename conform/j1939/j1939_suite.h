@@ -1,0 +1,23 @@
+// The suite j1939: one node on a bus is asked, contended with and listened to.
+//
+// Documents: SAE J1939-21 (data link), J1939-81 (network management), J1939-71 (groups; digital
+// annex of October 2020).
+#pragma once
+
+#include <vector>
+
+#include "conform/j1939/j1939_trial.h"
+#include "conform/suite_options.h"
+
+namespace rigwire::conform {
+
+[[nodiscard]] std::vector<J1939Case> j1939_cases();
+
+/// Throws Unreachable when the bus cannot be opened.
+[[nodiscard]] SuiteResult run_j1939_suite(J1939Device& device, const SuiteOptions& options);
+
+/// Of the node that says most: its groups with their periods, and those of the suite that it
+/// answers requests of. Throws Unreachable, also when nobody says anything.
+[[nodiscard]] J1939Claims survey_j1939(J1939Device& device);
+
+}  // namespace rigwire::conform

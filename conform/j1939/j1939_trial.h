@@ -1,0 +1,116 @@
+// A case of the suite j1939 while it runs: requests to one node, transport by hand, and what the
+// node says by itself. The frames are made here, from SAE J1939-21, 5.2, 5.4 and 5.10.
+//
+// The suite is a node, too: it has claimed address 249 (off-board diagnostic-service tool 1).
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "conform/can_line.h"
+#include "conform/trial.h"
+
+namespace rigwire::conform {
+
+/// A group that comes by itself.
+struct PeriodicGroup {
+  std::uint32_t pgn = 0;
+  std::chrono::milliseconds period{0};
+
+  friend bool operator==(const PeriodicGroup&, const PeriodicGroup&) = default;
+};
+
+/// What a node claims.
+struct J1939Claims {
+  std::uint8_t address = 0;
+  std::vector<PeriodicGroup> periodic;
+  std::vector<std::uint32_t> requested;  ///< Groups that a request is answered with.
+  std::chrono::milliseconds patience{500};
+};
+
+/// The node under test, over several cases.
+struct J1939Device {
+  std::function<std::unique_ptr<CanLine>()> open;  ///< May throw Unreachable.
+  J1939Claims claims;
+  std::unique_ptr<CanLine> line;
+};
+
+/// A frame of 29 bits taken apart; destination 255 of groups that have none.
+struct J1939Heard {
+  std::uint8_t priority = 0;
+  std::uint32_t pgn = 0;
+  std::uint8_t destination = 255;
+  std::uint8_t source = 0;
+  std::vector<std::uint8_t> data;
+  protocols::can::Frame frame;
+  std::chrono::nanoseconds at{};  ///< From the begin of listening.
+};
+
+class J1939Trial : public Trial {
+ public:
+  static constexpr std::uint8_t kOwnAddress = 249;
+  static constexpr std::uint8_t kEverybody = 255;
+  static constexpr std::uint32_t kRequest = 0xEA00;
+  static constexpr std::uint32_t kAcknowledgement = 0xE800;
+  static constexpr std::uint32_t kClaim = 0xEE00;
+  static constexpr std::uint32_t kTransport = 0xEC00;
+  static constexpr std::uint32_t kPackets = 0xEB00;
+
+  /// Precondition: the line is open.
+  J1939Trial(CaseIdentity identity, J1939Device& device);
+
+  [[nodiscard]] const J1939Claims& claims() const { return device_->claims; }
+  [[nodiscard]] CanLine::Clock::time_point now() const { return device_->line->now(); }
+
+  bool send(const protocols::can::Frame& frame, const std::string& words);
+  /// Of 29 bits, priority 6, from `source`.
+  bool send(std::uint32_t pgn, std::uint8_t destination, const std::vector<std::uint8_t>& data,
+            const std::string& words, std::uint8_t source = kOwnAddress);
+  /// A request of a group to `destination`.
+  bool request(std::uint32_t pgn, std::uint8_t destination);
+  bool request(std::uint32_t pgn) { return request(pgn, claims().address); }
+  /// The first frame of the node of one of these groups, to us or to everybody, shown.
+  [[nodiscard]] std::optional<J1939Heard> hear(std::initializer_list<std::uint32_t> pgns,
+                                               std::chrono::nanoseconds within);
+  /// All of the node in this time.
+  [[nodiscard]] std::vector<J1939Heard> listen(std::chrono::nanoseconds span);
+  /// What has come so far is forgotten.
+  void drain();
+  void show(const J1939Heard& heard);
+
+  /// A claim of the node; nothing when none came, which is found.
+  [[nodiscard]] std::optional<J1939Heard> claim();
+  /// No frame of these groups within the patience.
+  bool silent(std::initializer_list<std::uint32_t> pgns, const std::string& about);
+  /// A control message of transport to the node.
+  bool control(std::vector<std::uint8_t> bytes, std::uint32_t pgn, const std::string& words);
+
+ private:
+  J1939Device* device_;
+};
+
+/// "61444 (F004)".
+[[nodiscard]] std::string pgn_text(std::uint32_t pgn);
+
+struct J1939Case {
+  CaseIdentity identity;
+  std::uint32_t periodic = 0;   ///< Group that has to come by itself; 0: none.
+  std::uint32_t requested = 0;  ///< Group that has to be had; 0: none.
+  bool long_group = false;      ///< One of more than eight bytes has to be had.
+  std::function<void(J1939Trial&)> run;
+};
+
+// The chapters.
+[[nodiscard]] std::vector<J1939Case> j1939_network_cases();
+[[nodiscard]] std::vector<J1939Case> j1939_transport_cases();
+[[nodiscard]] std::vector<J1939Case> j1939_group_cases();
+
+/// Of the groups that the suite knows, those of more than eight bytes.
+[[nodiscard]] std::optional<std::uint32_t> long_group_of(const J1939Claims& claims);
+[[nodiscard]] std::vector<std::uint32_t> groups_to_ask_for();
+
+}  // namespace rigwire::conform

@@ -1,0 +1,140 @@
+// A case of the suite ubx while it runs: frames and sentences on one line, polls and their answers,
+// settings and their acknowledgements.
+//
+// Whatever a case is about: all that comes is UBX frames, NMEA sentences or RTCM 3 messages, whole
+// and with right checks; anything between them fails the case (UBX-13003221 R28, 32.2 and 32.4).
+// The first one after opening may have begun before.
+//
+// What is to be ignored has no time to wait for: a poll of MON-VER, which every receiver answers,
+// is sent behind it, and nothing may come before that answer (UbxTrial::ignores).
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "conform/byte_line.h"
+#include "conform/trial.h"
+#include "conform/ubx/ubx_messages.h"
+#include "protocols/ubx/frame.h"
+
+namespace rigwire::conform {
+
+using UbxId = protocols::ubx::MessageId;
+using UbxBytes = std::vector<std::uint8_t>;
+
+/// What a receiver claims.
+struct UbxClaims {
+  std::vector<std::string> messages;  ///< That a poll is answered with: "NAV-PVT", "CFG-RATE".
+  double rate_hz = 0.0;               ///< Of navigation epochs as it is set; 0: not claimed.
+  std::chrono::milliseconds answer_within{500};  ///< 99 of 100 answers come within it.
+  std::chrono::milliseconds patience{1500};      ///< Who has not answered by then does not.
+
+  [[nodiscard]] bool has(std::string_view message) const;
+};
+
+/// The receiver under test, over several cases.
+struct UbxDevice {
+  std::function<std::unique_ptr<ByteLine>()> open;  ///< May throw Unreachable.
+  UbxClaims claims;
+  std::unique_ptr<ByteLine> line;
+  UbxBytes arrived;           ///< And not yet taken apart.
+  bool synchronized = false;  ///< Something whole has come since the line was opened.
+};
+
+/// One thing that came.
+struct UbxHeard {
+  enum class Kind : std::uint8_t { frame, sentence, rtcm };
+  Kind kind = Kind::frame;
+  UbxId id;  ///< Of a frame.
+  UbxBytes bytes;
+  ByteLine::Clock::time_point at;
+
+  [[nodiscard]] UbxBytes payload() const;  ///< Of a frame.
+  [[nodiscard]] std::string text() const;  ///< Of a sentence, without its end.
+};
+
+class UbxTrial : public Trial {
+ public:
+  using Payloads = std::map<std::string_view, UbxPayload>;
+
+  /// Opens the line where it is not open. Throws Unreachable.
+  UbxTrial(CaseIdentity identity, UbxDevice& device);
+
+  [[nodiscard]] const UbxClaims& claims() const { return device_->claims; }
+  [[nodiscard]] ByteLine::Clock::time_point now() const { return device_->line->now(); }
+
+  /// The next thing; nothing by the deadline, or with the line closed.
+  [[nodiscard]] std::optional<UbxHeard> hear(ByteLine::Clock::time_point deadline);
+  /// All that comes in this time.
+  [[nodiscard]] std::vector<UbxHeard> listen(std::chrono::nanoseconds span);
+  /// What has come so far is forgotten.
+  void drain();
+
+  bool send(const UbxBytes& bytes, std::string words);
+  bool send(UbxId id, const UbxBytes& payload);
+  [[nodiscard]] static UbxBytes framed(UbxId id, const UbxBytes& payload);
+  void show(const UbxHeard& heard);
+
+  /// Polls a message of the tables: it comes whole, and of class CFG with an acknowledgement behind
+  /// it. Nothing where it did not, which is found as the case is strong.
+  [[nodiscard]] std::optional<UbxPayload> poll(std::string_view name);
+  [[nodiscard]] std::optional<UbxPayload> poll(std::string_view name, const UbxBytes& selector);
+  /// Of the last poll or setting, until its first answer.
+  [[nodiscard]] std::chrono::nanoseconds took() const { return took_; }
+  /// All polled at once, of one epoch where they tell theirs (iTOW); again where an epoch began in
+  /// between. Not applicable where the line is too slow for that.
+  [[nodiscard]] std::optional<Payloads> together(const std::vector<std::string_view>& names);
+
+  /// ACK-ACK (true), or ACK-NAK; nothing where neither came, which is found.
+  [[nodiscard]] std::optional<bool> acknowledged(UbxId id, const UbxBytes& payload);
+  bool accepts(std::string_view name, const UbxBytes& payload);
+  bool refuses(UbxId id, const UbxBytes& payload);
+  /// Neither `bytes` nor what they look like is answered.
+  bool ignores(const UbxBytes& bytes, const std::string& words);
+  /// MON-VER is answered: the receiver goes on. What came before it, without sentences.
+  [[nodiscard]] std::optional<std::vector<UbxHeard>> until_version();
+
+ private:
+  [[nodiscard]] std::optional<UbxHeard> take(bool& more);
+
+  UbxDevice* device_;
+  ByteLine::Clock::time_point asked_;
+  std::chrono::nanoseconds took_{};
+};
+
+/// What a case needs of the claims.
+struct UbxCase {
+  CaseIdentity identity;
+  std::vector<std::string_view> needs;  ///< Messages.
+  std::function<void(UbxTrial&)> run;
+};
+
+/// Sections are numbered through over the chapters.
+struct UbxCitations {
+  Citations m8{"ubx", "UBX-13003221 R28"};
+  Citations f9{"ubx", "UBXDOC-963802114-12815"};
+};
+
+// The chapters.
+[[nodiscard]] std::vector<UbxCase> ubx_framing_cases(UbxCitations& citations);
+[[nodiscard]] std::vector<UbxCase> ubx_poll_cases(UbxCitations& citations);
+[[nodiscard]] std::vector<UbxCase> ubx_setting_cases(UbxCitations& citations);
+[[nodiscard]] std::vector<UbxCase> ubx_item_cases(UbxCitations& citations);
+[[nodiscard]] std::vector<UbxCase> ubx_field_cases(UbxCitations& citations);
+[[nodiscard]] std::vector<UbxCase> ubx_epoch_cases(UbxCitations& citations);
+[[nodiscard]] std::vector<UbxCase> ubx_rate_cases(UbxCitations& citations);
+[[nodiscard]] std::vector<UbxCase> ubx_robustness_cases(UbxCitations& citations);
+
+// Little-endian bytes of a payload.
+[[nodiscard]] UbxBytes u2(unsigned value);
+[[nodiscard]] UbxBytes u4(std::uint32_t value);
+[[nodiscard]] UbxBytes operator+(UbxBytes left, const UbxBytes& right);
+
+}  // namespace rigwire::conform

@@ -165,9 +165,13 @@ std::optional<Announced> announced(T& trial, std::uint8_t code, std::uint8_t des
   }
   const auto deadline = trial.now() + trial.claims().patience + milliseconds(1500);
   while (trial.now() < deadline) {
-    const auto found = trial.hear({T::kTransport}, deadline - trial.now());
+    const auto found = trial.hear({T::kTransport, *pgn}, deadline - trial.now());
     if (!found) {
       break;
+    }
+    if (found->pgn == *pgn) {
+      trial.not_applicable("group " + pgn_text(*pgn) + " fits into a frame");
+      return std::nullopt;
     }
     const Bytes& data = found->data;
     if (!trial.demand(data.size() == 8, "eight bytes", hex_text(data))) {

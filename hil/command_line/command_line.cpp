@@ -418,10 +418,13 @@ void declare(CLI::App& app, Parsed& parsed) {
   CLI::App* conform_app =
       app.add_subcommand("conform", "Hold a device to its protocol's documents, case by case");
   ConformRequest& conform = parsed.conform;
-  conform_app->add_option("suite", conform.suite, "modbus-tcp, modbus-rtu, nmea, ubx, canopen or j1939")->required();
+  conform_app
+      ->add_option("suite", conform.suite, "modbus-tcp, modbus-rtu, nmea, ubx, canopen or j1939")
+      ->required();
   conform_app->add_option(
       "endpoint", conform.endpoint,
-      "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], or rig:RIG#DEVICE[@BAUD] of ours");
+      "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], can:INTERFACE, slcan:PATH[@BITRATE], or "
+      "rig:RIG#DEVICE[@BAUD] of ours");
   conform_app->add_option("ids", conform.wanted,
                           "Cases, or the begin of some at a slash: modbus/6.3; all without");
   CLI::Option* listed =

@@ -79,7 +79,16 @@ TEST(Configs, every_file_is_loaded_without_a_finding) {
       const LoadedCampaign loaded = load_campaign(entry.path());
       EXPECT_NO_THROW((void)plan_runs(loaded.campaign));
     } else if (kind == "profiles") {
-      EXPECT_NO_THROW((void)read_modbus_profile(entry.path()));
+      const std::string name = entry.path().stem().string();
+      if (name.starts_with("ublox_")) {
+        EXPECT_NO_THROW((void)read_ubx_profile(entry.path()));
+      } else if (name.starts_with("cia406_")) {
+        EXPECT_NO_THROW((void)read_canopen_profile(entry.path()));
+      } else if (name.starts_with("engine_")) {
+        EXPECT_NO_THROW((void)read_j1939_profile(entry.path()));
+      } else {
+        EXPECT_NO_THROW((void)read_modbus_profile(entry.path()));
+      }
     } else {
       ADD_FAILURE() << entry.path() << " is of no kind that a test loads";
     }

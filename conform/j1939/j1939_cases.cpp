@@ -155,6 +155,7 @@ struct Announced {
   std::uint32_t pgn = 0;
   std::size_t bytes = 0;
   std::size_t packets = 0;
+  std::uint8_t destination = 0;  ///< Of its packets; others may go to everybody meanwhile.
 };
 
 /// What announces the long group that was asked for; `code` 16 to us, 32 to everybody.
@@ -181,7 +182,7 @@ std::optional<Announced> announced(T& trial, std::uint8_t code, std::uint8_t des
     if (data[0] != code || of != *pgn) {
       continue;
     }
-    const Announced made{of, data[1] | std::size_t{data[2]} << 8U, data[3]};
+    const Announced made{of, data[1] | std::size_t{data[2]} << 8U, data[3], found->destination};
     trial.expect(made.bytes >= 9 && made.bytes <= 1785, "9 to 1785 bytes",
                  std::to_string(made.bytes));
     trial.expect(made.packets == (made.bytes + 6) / 7, "as many packets as the bytes take",
@@ -196,7 +197,7 @@ std::optional<Announced> announced(T& trial, std::uint8_t code, std::uint8_t des
 bool packets(T& trial, const Announced& of, std::size_t first, std::size_t last,
              std::vector<CanLine::Clock::time_point>* times = nullptr) {
   for (std::size_t i = first; i <= last; ++i) {
-    const auto found = trial.hear({T::kPackets}, milliseconds(1000));
+    const auto found = trial.hear({T::kPackets}, milliseconds(1000), of.destination);
     if (!trial.expect(found.has_value(), "packet " + std::to_string(i), "none in a second") ||
         !trial.expect(found->data.size() == 8, "eight bytes in each packet",
                       hex_text(found->data)) ||
@@ -258,7 +259,7 @@ void one_by_one(T& trial) {
     if (!clear_to_send(trial, *of, 1, i) || !packets(trial, *of, i, i)) {
       return;
     }
-    const auto more = trial.hear({T::kPackets}, milliseconds(60));
+    const auto more = trial.hear({T::kPackets}, milliseconds(60), T::kOwnAddress);
     if (!trial.expect(!more.has_value(), "no more packets than are asked for", "another")) {
       return;
     }
@@ -282,7 +283,7 @@ void held(T& trial) {
     if (!clear_to_send(trial, *of, 0, 0xFF)) {
       return;
     }
-    const auto early = trial.hear({T::kPackets, T::kTransport}, milliseconds(400));
+    const auto early = trial.hear({T::kPackets, T::kTransport}, milliseconds(400), T::kOwnAddress);
     if (!trial.expect(!early.has_value(), "nothing while it is held",
                       early ? frame_text(early->frame) : "")) {
       return;
@@ -297,7 +298,7 @@ void aborted(T& trial) {
   const auto of = announced(trial, 16, trial.claims().address);
   if (of && clear_to_send(trial, *of, 1, 1) && packets(trial, *of, 1, 1) &&
       trial.control({255, 1}, of->pgn, "abort") && trial.fine()) {
-    const auto more = trial.hear({T::kPackets}, milliseconds(400));
+    const auto more = trial.hear({T::kPackets}, milliseconds(400), T::kOwnAddress);
     trial.expect(!more.has_value(), "no packet after an abort", "another");
   }
 }
@@ -308,7 +309,7 @@ void gives_up(T& trial) {
     return;
   }
   // T3 is 1250 ms.
-  const auto found = trial.hear({T::kTransport}, milliseconds(2500));
+  const auto found = trial.hear({T::kTransport}, milliseconds(2500), T::kOwnAddress);
   if (trial.expect(found.has_value(), "an abort after 1250 ms without an answer", "none")) {
     trial.expect(found->data.front() == 255, "an abort (255)", hex_text(found->data));
   }

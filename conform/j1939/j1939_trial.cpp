@@ -74,13 +74,15 @@ bool J1939Trial::request(std::uint32_t pgn, std::uint8_t destination) {
 }
 
 std::optional<J1939Heard> J1939Trial::hear(std::initializer_list<std::uint32_t> pgns,
-                                           std::chrono::nanoseconds within) {
+                                           std::chrono::nanoseconds within,
+                                           std::optional<std::uint8_t> destination) {
   const auto deadline = now() + within;
   while (const auto frame = device_->line->receive(deadline)) {
     const auto heard = take_apart(*frame);
     if (heard && heard->source == claims().address &&
         std::ranges::find(pgns, heard->pgn) != pgns.end() &&
-        (heard->destination == kEverybody || heard->destination == kOwnAddress)) {
+        (destination ? heard->destination == *destination
+                     : heard->destination == kEverybody || heard->destination == kOwnAddress)) {
       show(*heard);
       return heard;
     }

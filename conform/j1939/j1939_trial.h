@@ -73,9 +73,11 @@ class J1939Trial : public Trial {
   /// A request of a group to `destination`.
   bool request(std::uint32_t pgn, std::uint8_t destination);
   bool request(std::uint32_t pgn) { return request(pgn, claims().address); }
-  /// The first frame of the node of one of these groups, to us or to everybody, shown.
+  /// The first frame of the node of one of these groups, to us or to everybody, shown; with a
+  /// destination to that alone.
   [[nodiscard]] std::optional<J1939Heard> hear(std::initializer_list<std::uint32_t> pgns,
-                                               std::chrono::nanoseconds within);
+                                               std::chrono::nanoseconds within,
+                                               std::optional<std::uint8_t> destination = {});
   /// All of the node in this time.
   [[nodiscard]] std::vector<J1939Heard> listen(std::chrono::nanoseconds span);
   /// What has come so far is forgotten.

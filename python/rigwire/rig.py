@@ -82,7 +82,12 @@ class DeviceStatus:
     frames: int
     bytes: int
     dropped: int
+    nominal_rate_hz: float  #: 0: it has none.
+    lateness_p50_us: float
+    lateness_p99_us: float
+    lateness_max_us: float
     client_present: bool
+    readers: int  #: Programs on one plug.
     last_request: Request | None
     settable: Sequence[str] = ()  #: Keys of its configuration that `set` can change.
 
@@ -130,6 +135,8 @@ class Reading:
     machine: Machine
     devices: Mapping[str, DeviceStatus]
     faults: Sequence[FaultWindow]
+    slipped_s: float  #: By which the clock gave way to a host that is too slow.
+    recording: str | None  #: Folder of the one that goes on.
 
 
 class _UnixConnection(http.client.HTTPConnection):
@@ -319,6 +326,8 @@ class Rig:
                 for name, device in reply["devices"].items()
             },
             [FaultWindow(**fault) for fault in reply["faults"]],
+            reply["slipped_s"],
+            reply["recording"],
         )
 
     def add_fault(self, on: str, type: str, **keys: object) -> Fault:

@@ -1,6 +1,7 @@
 #include "conform/j1939/j1939_suite.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 
@@ -37,7 +38,7 @@ void open_line(J1939Device& device) {
 
 milliseconds rounded(double period_ms) {
   const double step = period_ms < 30 ? 1.0 : period_ms < 300 ? 10.0 : 50.0;
-  return milliseconds(static_cast<int>(step * static_cast<int>(period_ms / step + 0.5)));
+  return milliseconds(std::lround(step * std::round(period_ms / step)));
 }
 
 }  // namespace

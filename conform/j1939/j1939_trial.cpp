@@ -78,7 +78,7 @@ std::optional<J1939Heard> J1939Trial::hear(std::initializer_list<std::uint32_t> 
                                            std::optional<std::uint8_t> destination) {
   const auto deadline = now() + within;
   while (const auto frame = device_->line->receive(deadline)) {
-    const auto heard = take_apart(*frame);
+    auto heard = take_apart(*frame);
     if (heard && heard->source == claims().address &&
         std::ranges::find(pgns, heard->pgn) != pgns.end() &&
         (destination ? heard->destination == *destination
@@ -110,7 +110,7 @@ void J1939Trial::show(const J1939Heard& heard) {
 }
 
 std::optional<J1939Heard> J1939Trial::claim() {
-  const auto found = hear({kClaim}, claims().patience);
+  auto found = hear({kClaim}, claims().patience);
   if (!expect(found.has_value(), "a claim of address " + std::to_string(claims().address),
               "none") ||
       !demand(found->data.size() == 8, "a NAME of eight bytes", hex_text(found->data))) {

@@ -8,7 +8,6 @@
 
 namespace rigwire::conform {
 
-namespace modbus = protocols::modbus;
 using std::chrono::milliseconds;
 
 namespace {

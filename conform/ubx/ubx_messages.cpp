@@ -17,7 +17,7 @@ constexpr auto kM8 = UbxDocument::m8;
 constexpr auto kF9 = UbxDocument::f9;
 constexpr auto kRecordings = UbxDocument::recordings;
 
-using std::string_view_literals::operator""sv;
+using namespace std::string_view_literals;
 
 // clang-format off
 constexpr std::array kMessages{

@@ -1,12 +1,14 @@
-// What happened, newest first, from the run's list of events (docs/control.md, "Events").
+// What happened, newest first, from the run's list of events (docs/control.md, "Events"). A click on
+// an instant moves the plots there.
 
 const MOST_ROWS = 500;
 const RETRY_MS = 1000;
 
 export class Events {
-  constructor(run, rows) {
+  constructor(run, rows, plots) {
     this.run = run;
     this.rows = rows;
+    this.plots = plots;
     this.last = 0;
     run.addEventListener("open", () => this.follow());
   }
@@ -27,13 +29,19 @@ export class Events {
   }
 
   add({ time_ns, kind, level, where, text }) {
+    const time_s = time_ns * 1e-9;
+    const bad = level === "warning" || level === "error";
     const row = this.rows.insertRow(0);
-    row.className = level === "warning" || level === "error" ? "bad" : "";
-    for (const [index, value] of [(time_ns * 1e-9).toFixed(3), kind, where, text].entries()) {
-      const cell = row.insertCell();
-      cell.textContent = value;
-      if (index === 0) cell.className = "number";
-    }
+    row.className = bad ? "bad" : "";
+    const instant = document.createElement("button");
+    instant.type = "button";
+    instant.textContent = time_s.toFixed(3);
+    instant.title = "shows it in the plots";
+    instant.addEventListener("click", () => this.plots.showAt(time_s));
+    row.insertCell().append(instant);
+    row.cells[0].className = "number";
+    for (const value of [kind, where, text]) row.insertCell().textContent = value;
+    this.plots.mark(time_s, `${kind} ${where}`, bad);
     while (this.rows.rows.length > MOST_ROWS) this.rows.deleteRow(-1);
   }
 }

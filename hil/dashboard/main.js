@@ -43,7 +43,6 @@ run.listen("/status", (status) => {
 
 const wires = new Wires(run, part("devices"), part("wire"), part("messages"), (...numbers) =>
   plots.take(...numbers));
-const events = new Events(run, part("event-rows"));
 const hands = new Hands(run, {
   pause: part("pause"),
   step: part("step"),
@@ -69,6 +68,7 @@ const plots = new Plots(run, {
   span: part("plot-span"),
   csv: part("plot-csv"),
 });
+const events = new Events(run, part("event-rows"), plots);
 let view = null;
 try {
   view = new View(run, part("scene"), part("camera"), part("colour"), part("view-figures"));

@@ -1,5 +1,6 @@
 // Any number of the truth, of the fixes that clients read and of the wires' figures, on simulated
-// time. The wheel changes the span, Hold keeps the picture, CSV has what is kept.
+// time, with what happened as lines across. The wheel changes the span, Hold keeps the picture, CSV
+// has what is kept.
 
 import { Chart, registerables } from "/lib/chart.js/chart.mjs";
 
@@ -8,6 +9,7 @@ Chart.register(...registerables);
 const MOST_SAMPLES = 6000; // of each quantity
 const COLOURS = ["#d95f02", "#1b9e77", "#7570b3", "#e7298a", "#66a61e", "#a6761d", "#3288bd", "#999999"];
 const DRAW_MS = 200;
+const MOST_MARKS = 500;
 
 // Calls use(path, number) for every number in there.
 function eachNumber(value, path, use) {
@@ -22,7 +24,8 @@ export class Plots {
     this.parts = parts;
     this.lines = new Map(); // quantity -> samples {x, y}
     this.known = new Set();
-    this.held = false;
+    this.marks = []; // {x, text, bad}
+    this.heldAt_s = null; // the picture's end, while it is held
     this.span_s = 30;
     this.last_s = 0;
     this.start_ns = null;
@@ -62,6 +65,7 @@ export class Plots {
           y: {},
         },
       },
+      plugins: [{ id: "marks", afterDatasetsDraw: (chart) => this.drawMarks(chart) }],
     });
     this.colourAxes();
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.colourAxes());
@@ -71,9 +75,7 @@ export class Plots {
     });
     parts.clear.addEventListener("click", () => this.lines.clear());
     parts.hold.addEventListener("click", () => {
-      this.held = !this.held;
-      parts.hold.setAttribute("aria-pressed", String(this.held));
-      parts.hold.textContent = this.held ? "Go on" : "Hold";
+      this.hold(this.heldAt_s === null ? this.last_s : null);
     });
     parts.span.addEventListener("change", () => this.setSpan(Number(parts.span.value)));
     parts.canvas.addEventListener("wheel", (event) => {
@@ -96,6 +98,47 @@ export class Plots {
     this.chart.options.plugins.legend.labels.color = ink;
   }
 
+  // What happened, at that simulated time.
+  mark(time_s, text, bad) {
+    this.marks.push({ x: time_s, text, bad });
+    if (this.marks.length > MOST_MARKS) this.marks.shift();
+  }
+
+  // Keeps the picture that ends there; null: goes on with the run.
+  hold(end_s) {
+    this.heldAt_s = end_s;
+    this.parts.hold.setAttribute("aria-pressed", String(end_s !== null));
+    this.parts.hold.textContent = end_s === null ? "Hold" : "Go on";
+    this.draw();
+  }
+
+  // Keeps the picture with that instant in its middle.
+  showAt(time_s) {
+    this.hold(time_s + 0.5 * this.span_s);
+  }
+
+  drawMarks({ ctx, chartArea: area, scales: { x: axis } }) {
+    const style = getComputedStyle(document.body);
+    ctx.save();
+    ctx.font = "11px system-ui, sans-serif";
+    let free_px = area.left; // of the words' line
+    for (const { x, text, bad } of this.marks) {
+      if (x < axis.min || x > axis.max) continue;
+      const at_px = axis.getPixelForValue(x);
+      ctx.strokeStyle = ctx.fillStyle = style.getPropertyValue(bad ? "--bad" : "--accent");
+      ctx.beginPath();
+      ctx.moveTo(at_px, area.top);
+      ctx.lineTo(at_px, area.bottom);
+      ctx.stroke();
+      const width_px = ctx.measureText(text).width;
+      if (at_px + 3 >= free_px && at_px + 3 + width_px <= area.right) {
+        ctx.fillText(text, at_px + 3, area.top + 11);
+        free_px = at_px + width_px + 8;
+      }
+    }
+    ctx.restore();
+  }
+
   setSpan(seconds) {
     if (!(seconds > 0)) return;
     this.span_s = Math.min(3600, Math.max(0.1, seconds));
@@ -110,7 +153,7 @@ export class Plots {
         this.parts.quantities.append(new Option(path, path));
       }
       const samples = this.lines.get(path);
-      if (!samples || this.held) return;
+      if (!samples) return;
       samples.push({ x: time_s, y: number });
       if (samples.length > MOST_SAMPLES) samples.splice(0, samples.length - MOST_SAMPLES);
     });
@@ -121,17 +164,16 @@ export class Plots {
   }
 
   draw() {
-    if (this.held && this.chart.data.datasets.length === this.lines.size) {
-      if (this.chart.options.scales.x.max - this.chart.options.scales.x.min === this.span_s) return;
-    }
+    const end_s = this.heldAt_s ?? this.last_s;
+    const begin_s = end_s - this.span_s;
     this.chart.data.datasets = [...this.lines].map(([label, data], index) => ({
       label,
-      data: data.filter(({ x }) => x >= this.last_s - this.span_s),
+      data: data.filter(({ x }) => x >= begin_s && x <= end_s),
       borderColor: COLOURS[index % COLOURS.length],
       backgroundColor: COLOURS[index % COLOURS.length],
     }));
-    this.chart.options.scales.x.min = this.last_s - this.span_s;
-    this.chart.options.scales.x.max = this.last_s;
+    this.chart.options.scales.x.min = begin_s;
+    this.chart.options.scales.x.max = end_s;
     this.chart.update("none");
   }
 

@@ -238,6 +238,11 @@ def a_fault_by_its_button_reaches_a_real_client(rig, browser):
         assert next(mode for mode in reports if mode <= 1) <= 1
         eventually("the time line tells of it", lambda: "fault_begun" in browser.find_element(
             By.ID, "event-rows").text)
+        row = browser.find_element(By.XPATH, "//tbody[@id='event-rows']/tr[td='fault_begun']")
+        row.find_element(By.TAG_NAME, "button").click()
+        shown = value(browser, "rigwire.plots.heldAt_s - rigwire.plots.span_s / 2")
+        assert abs(shown - float(row.find_element(By.TAG_NAME, "button").text)) < 0.001, shown
+        assert "fault_begun gnss" in value(browser, "rigwire.plots.marks.map(({ text }) => text)")
         listed = eventually("it is listed", lambda: browser.find_elements(By.CSS_SELECTOR, "#faults button"))
         listed[0].click()
         assert next(mode for mode in reports if mode >= 3) == 3

@@ -196,6 +196,7 @@ class NoContact final : public Watch {
       throw std::invalid_argument(
           "no_contact: this machine meets no obstacles, allowed a level of it that does");
     }
+    seen_ = true;
     if (!at_s_ && contact->at("touching").get<bool>()) {
       at_s_ = moment.at_s;
       body_ = contact->at("body").get<std::string>();
@@ -203,10 +204,13 @@ class NoContact final : public Watch {
     }
   }
   [[nodiscard]] Verdict verdict(const RunEvidence&) const override {
-    return {!at_s_, at_s_, at_s_ ? fmt::format("{} met {}", body_, with_) : "touched nothing", ""};
+    return {seen_ && !at_s_, at_s_,
+            at_s_ ? fmt::format("{} met {}", body_, with_) : "touched nothing",
+            seen_ ? "" : "no record"};
   }
 
  private:
+  bool seen_ = false;
   std::optional<double> at_s_;
   std::string body_;
   std::string with_;

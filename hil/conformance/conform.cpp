@@ -216,7 +216,7 @@ std::string endpoint_of_wire(const std::string& wire, const std::string& rate,
                              const std::string& device) {
   const std::string scheme = wire.starts_with("/") ? "serial" : wire.substr(0, wire.find(' '));
   const std::string behind = wire.starts_with("/") ? wire : wire.substr(scheme.size() + 1);
-  const std::string endpoint = scheme + ":" + behind.substr(0, behind.find(' ')) + rate;
+  std::string endpoint = scheme + ":" + behind.substr(0, behind.find(' ')) + rate;
   if (!conform::parse_endpoint(endpoint, {1, 1})) {
     refuse("rig device " + device, wire, "a device on TCP, UDP, CAN or a serial line of its own");
   }

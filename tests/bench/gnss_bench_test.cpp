@@ -86,8 +86,8 @@ TEST(GnssBench, WithABaseStationFiveHundredMetresAwayRtkFixesAtCentimetres) {
   EXPECT_LT(rows[1].error_95_m, 0.03);
 }
 
-// It was fixed there as under an open sky. A ZED-F9P in fields and forest: half of the time and less
-// (Stefal/rtkbase #351).
+// It was fixed there as under an open sky. A ZED-F9P in fields and forest: half of the time and
+// less (Stefal/rtkbase #351).
 TEST(GnssBench, UnderCrownsRtkIsFixedAPartOfTheTime) {
   const auto rows = measure_models(hil::load_rig(hil::find_rig("gator_campus"), {}).configuration,
                                    4, 300, [](std::string_view place, std::string_view model) {

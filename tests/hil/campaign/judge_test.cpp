@@ -161,6 +161,7 @@ TEST_F(Judge, a_run_that_ended_before_its_first_record_is_judged_by_the_rest) {
   EXPECT_TRUE(verdict(ProgramExitCriterion{3}).passed);
   EXPECT_FALSE(verdict(StaysCriterion{"joint.0", false, 1}).passed);
   EXPECT_FALSE(verdict(ReachesCriterion{"joint.0", false, 1}).passed);
+  EXPECT_FALSE(verdict(NoContactCriterion{}).passed) << "nobody looked";
 }
 
 TEST_F(Judge, the_first_failure_is_the_earliest_and_the_track_is_thin) {

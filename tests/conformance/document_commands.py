@@ -13,8 +13,10 @@ To be run in a network and a mount namespace of its own: wires and ports are tho
 import os
 import pathlib
 import re
+import select
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -152,13 +154,14 @@ def commands_of(document):
 class Running:
     """A program of its own process group; what it prints is in a file."""
 
-    def __init__(self, command, name):
+    def __init__(self, command, name, pass_fds=()):
         self.command = command
         self.log = scratch / (re.sub(r"\W+", "_", name)[:60] + ".log")
         with open(self.log, "wb") as log:
             self.process = subprocess.Popen(["bash", "-c", "exec " + command], cwd=scratch,
                                             stdin=subprocess.DEVNULL, stdout=log,
-                                            stderr=subprocess.STDOUT, start_new_session=True)
+                                            stderr=subprocess.STDOUT, start_new_session=True,
+                                            pass_fds=pass_fds)
 
     def output(self):
         return self.log.read_text(errors="replace")
@@ -189,16 +192,29 @@ devices: {valves: {type: valve-driver, line: cab, unit: 3}}
 
 
 def neighbours(beside):
-    """Starts a rig and its field program, or a gpsd and all that it needs."""
+    """Starts a rig and its field program, or a gpsd and all that it needs; back when they are open."""
     if beside == ("gpsd",):
-        return neighbours(PIT) + [Running("gpsd -N -n -S 2950 /tmp/rigwire/gnss.1", "gpsd")]
-    running = [Running(f"rigwire run {RIGS.get(beside[0], beside[0])} --status none", beside[0])]
-    end = time.monotonic() + 120
-    while not list(pathlib.Path("/tmp/rigwire").glob("[a-z]*")) and time.monotonic() < end:
-        time.sleep(0.2)
-    time.sleep(3)  # the wires behind the first one
+        running = neighbours(PIT) + [Running("gpsd -N -n -S 2950 /tmp/rigwire/gnss.1", "gpsd")]
+        wait_until_open("localhost", 2950)
+        return running
+    is_ready, ready = os.pipe()
+    rig = RIGS.get(beside[0], beside[0])
+    running = [Running(f"rigwire run {rig} --status none --ready-fd {ready}", beside[0], (ready,))]
+    os.close(ready)
+    select.select([is_ready], [], [], 120)
+    os.close(is_ready)
     running += [Running(program, program.split()[0]) for program in beside[1:]]
     return running
+
+
+def wait_until_open(host, port):
+    end = time.monotonic() + 60
+    while time.monotonic() < end:
+        try:
+            socket.create_connection((host, port), 1).close()
+            return
+        except OSError:
+            time.sleep(0.1)
 
 
 def judge(command, how, expected):

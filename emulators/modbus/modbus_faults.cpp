@@ -4,6 +4,7 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "fields/check.h"
@@ -89,16 +90,19 @@ void check_scope(const ModbusFault& fault) {
   }
 }
 
+/// The only wire that such a fault is of; nullopt: any.
+template <class What>
+constexpr std::optional<ModbusWire> only_wire() {
+  if constexpr (requires { What::kWire; }) {
+    return What::kWire;
+  } else {
+    return std::nullopt;
+  }
+}
+
 void check_wire(const ModbusFault& fault, ModbusWire wire) {
-  const auto only = std::visit(
-      []<class What>(const What&) -> std::optional<ModbusWire> {
-        if constexpr (requires { What::kWire; }) {
-          return What::kWire;
-        } else {
-          return std::nullopt;
-        }
-      },
-      fault.what);
+  const auto only =
+      std::visit([]<class What>(const What&) { return only_wire<What>(); }, fault.what);
   if (only && *only != wire) {
     refuse(fault, "wire", wire == ModbusWire::tcp ? "tcp" : "rtu",
            *only == ModbusWire::tcp ? "tcp" : "rtu");
@@ -228,6 +232,19 @@ void validate(const ModbusFault& fault, ModbusWire wire) {
   fields::check(fault);
   check_wire(fault, wire);
   check_scope(fault);
+}
+
+std::vector<fields::Named> modbus_fault_kinds(ModbusWire wire) {
+  std::vector<fields::Named> kinds;
+  const auto add = [&]<class What>(std::type_identity<What>) {
+    if (only_wire<What>().value_or(wire) == wire) {
+      kinds.push_back(What::kNamed);
+    }
+  };
+  [&]<class... What>(std::type_identity<std::variant<What...>>) {
+    (add(std::type_identity<What>{}), ...);
+  }(std::type_identity<decltype(ModbusFault::what)>{});
+  return kinds;
 }
 
 ModbusFaultSchedule::ModbusFaultSchedule(const std::vector<ModbusFault>& faults, ModbusWire wire,

@@ -149,6 +149,8 @@ void visit(fields::Visitor& v, ModbusFault& p);
 /// Throws std::invalid_argument when a value is out of range or the fault has no meaning on that
 /// wire.
 void validate(const ModbusFault& fault, ModbusWire wire);
+/// The kinds that have a meaning on that wire.
+[[nodiscard]] std::vector<fields::Named> modbus_fault_kinds(ModbusWire wire);
 
 /// What the faults of the moment do to one transaction.
 struct ModbusFaultEffects {

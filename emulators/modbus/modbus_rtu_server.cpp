@@ -17,7 +17,7 @@ void validate(const ModbusRtuSettings& settings) {
 ModbusRtuServer::ModbusRtuServer(const ModbusRtuSettings& settings, ByteOutput& output)
     : settings_(settings),
       output_(output),
-      service_(ModbusWire::rtu, settings.faults, settings.seed),
+      service_(kWire, settings.faults, settings.seed),
       delay_(settings.response_delay, ~settings.seed),
       framer_(settings.line, *this) {
   validate(settings);

@@ -40,6 +40,8 @@ void validate(const ModbusRtuSettings& settings);
 
 class ModbusRtuServer final : public SerialDevice, private RtuListener {
  public:
+  static constexpr ModbusWire kWire = ModbusWire::rtu;
+
   /// `output` must outlive the server. Throws std::invalid_argument.
   ModbusRtuServer(const ModbusRtuSettings& settings, ByteOutput& output);
 

@@ -75,7 +75,7 @@ void validate(const ModbusServerSettings& settings) {
 ModbusServer::ModbusServer(const ModbusServerSettings& settings, StreamOutput& output)
     : settings_(settings),
       output_(output),
-      service_(ModbusWire::tcp, settings.faults, settings.seed),
+      service_(kWire, settings.faults, settings.seed),
       delay_(settings.response_delay, ~settings.seed) {
   validate(settings);
 }

@@ -93,6 +93,8 @@ class AnswerQueue {
 
 class ModbusServer {
  public:
+  static constexpr ModbusWire kWire = ModbusWire::tcp;
+
   /// `output` must outlive the server. Throws std::invalid_argument.
   ModbusServer(const ModbusServerSettings& settings, StreamOutput& output);
 

@@ -71,6 +71,8 @@ struct FaultActs {
   std::function<SimTime(SimTime)> soonest{};
   /// What it is called: its kind.
   std::function<std::string(const Fault&)> name{};
+  /// What it can be: every kind of `Fault`.
+  std::vector<fields::Named> kinds = fault_kinds<Fault>();
 };
 
 template <class Fault>
@@ -80,7 +82,7 @@ class FaultPortOf final : public FaultPort {
   FaultPortOf(const std::vector<Fault>& configured, FaultActs<Fault> acts)
       : acts_(std::move(acts)), book_(configured) {}
 
-  [[nodiscard]] std::vector<fields::Named> kinds() const override { return fault_kinds<Fault>(); }
+  [[nodiscard]] std::vector<fields::Named> kinds() const override { return acts_.kinds; }
 
   std::optional<Id> begin(SimTime now, const Fill& fill, const StreamOf& stream_of) override {
     const SimTime soonest = acts_.soonest ? acts_.soonest(now) : now;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 #include "fields/visitor.h"
@@ -193,9 +195,12 @@ void ValveDriverConfiguration::each_fault(const FaultEar& take) {
 }
 
 std::vector<fields::Named> ValveDriverConfiguration::fault_kinds() const {
-  return line.empty() ? hil::fault_kinds<emulators::ValveDefect, emulators::SupplyFault,
-                                         emulators::ModbusFault>()
-                      : hil::fault_kinds<emulators::ValveDefect, emulators::SupplyFault>();
+  auto kinds = hil::fault_kinds<emulators::ValveDefect, emulators::SupplyFault>();
+  if (line.empty()) {
+    std::ranges::move(emulators::modbus_fault_kinds(emulators::ModbusWire::tcp),
+                      std::back_inserter(kinds));
+  }
+  return kinds;
 }
 
 DevicePlan ValveDriverConfiguration::plan(const RigView& rig) const {

@@ -23,7 +23,9 @@ class RigModbusOf : public RigModbus {
   }
   [[nodiscard]] std::unique_ptr<FaultPort> fault_port(
       const std::vector<emulators::ModbusFault>& configured) override {
-    return make_fault_port(configured, acted_by<emulators::ModbusFault>(server_.faults()));
+    auto acts = acted_by<emulators::ModbusFault>(server_.faults());
+    acts.kinds = emulators::modbus_fault_kinds(Server::kWire);
+    return make_fault_port(configured, std::move(acts));
   }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return endpoint_.status(); }
   [[nodiscard]] SimTime next_event() const override { return server_.next_event(); }

@@ -2,9 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "hil/devices/valve_driver.h"
 #include "hil/rig/rig_configuration.h"
 #include "private_wires.h"
 
@@ -63,6 +67,16 @@ TEST_F(ValveKeys, a_fault_of_its_own_line_that_cannot_be_is_refused) {
               HasSubstr("wrong_check"));
   EXPECT_EQ(complaints("{type: valve-driver, faults: [{type: frozen, table: holding, last: 43}]}"),
             "");
+}
+
+// The list of faults had those of serial lines for it, which every rig then refused.
+TEST_F(ValveKeys, its_own_line_has_the_kinds_of_tcp_alone) {
+  const std::vector<fields::Named> kinds = ValveDriverConfiguration{}.fault_kinds();
+  const auto has = [&](std::string_view kind) {
+    return std::ranges::count(kinds, kind, &fields::Named::name) > 0;
+  };
+  EXPECT_TRUE(has("wrong_transaction") && has("disconnect") && has("frozen"));
+  EXPECT_FALSE(has("wrong_check") || has("noise") || has("parity_mismatch"));
 }
 
 }  // namespace

@@ -96,15 +96,21 @@ TEST_P(RigFaultsOf, ItsPortsHaveTheKindsThatTheTypesTell) {
     }
     return all;
   };
-  for (const RigFaults::Target& target : rig.faults().targets()) {
+  const std::vector<RigFaults::Target> targets = rig.faults().targets();
+  for (const RigFaults::Target& target : targets) {
     const auto device = configuration.devices.find(target.name);
     if (device != configuration.devices.end()) {
       EXPECT_EQ(names(target.kinds), names(device->second->fault_kinds())) << target.name;
     }
   }
+  for (const auto& [name, line] : configuration.modbus) {
+    const auto target = std::ranges::find(targets, "modbus " + name, &RigFaults::Target::name);
+    ASSERT_NE(target, targets.end()) << name;
+    EXPECT_EQ(names(target->kinds), names(emulators::modbus_fault_kinds(line.wire))) << name;
+  }
   for (const auto& [name, device] : configuration.devices) {
     EXPECT_EQ(device->fault_kinds().empty(),
-              std::ranges::count(rig.faults().targets(), name, &RigFaults::Target::name) == 0)
+              std::ranges::count(targets, name, &RigFaults::Target::name) == 0)
         << name;
   }
 }

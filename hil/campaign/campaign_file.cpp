@@ -158,6 +158,8 @@ void visit(fields::Visitor& v, Campaign& p) {
   v.text("clock", p.clock, "free, real or scaled:X; a field program needs one of the latter.");
   v.duration("duration", p.duration, {1'000'000, 86'400'000'000'000},
              "Simulated time of a run, at most.");
+  v.duration("patience", p.patience, {1'000'000'000, 86'400'000'000'000},
+             "Time of the host that a run may take.");
   v.texts("program", p.program,
           "Field program and its arguments; {NAME}, {KEY.PATH}, {index}, {seed}, {folder} and "
           "{campaign} are filled in.");

@@ -169,6 +169,8 @@ struct Campaign {
   std::vector<std::string> set;  ///< Of every run, as `--set` takes it: "truth.rate=20 Hz".
   std::string clock = "free";
   Duration duration = std::chrono::seconds{60};
+  /// By the wall's clock; a run that takes longer is ended and was not judged.
+  Duration patience = std::chrono::hours{1};
   /// The field program and its arguments. {NAME} stands for a parameter, {KEY.PATH} for a value of
   /// the run's rig, {index}, {seed}, {folder} for the run's own, {campaign} for this file's folder.
   std::vector<std::string> program;

@@ -1,6 +1,5 @@
 #include "hil/campaign/campaign_run.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -22,13 +21,16 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "drivers/child.h"
+#include "drivers/descriptor.h"
 #include "drivers/endpoints.h"
+#include "fields/rules.h"
 #include "hil/campaign/campaign_folder.h"
-#include "hil/campaign/child.h"
 #include "hil/campaign/judge.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/control/control_client.h"
+#include "hil/control/ready.h"
 #include "hil/control/run.h"
 #include "hil/record/output_file.h"
 #include "hil/rig/rig_configuration.h"
@@ -37,6 +39,8 @@ namespace rigwire::hil {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+using drivers::Child;
+using drivers::Descriptor;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
@@ -58,25 +62,6 @@ struct Interrupted {
   int signal = 0;
 };
 
-/// An open descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int number() const { return number_; }
-  void close() {
-    if (number_ >= 0) {
-      ::close(number_);
-      number_ = -1;
-    }
-  }
-
- private:
-  int number_;
-};
-
 /// SIGINT, SIGTERM and SIGHUP are read from a descriptor instead of ending the process.
 class Signals {
  public:
@@ -84,7 +69,7 @@ class Signals {
   ~Signals() { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
-  [[nodiscard]] int descriptor() const { return descriptor_.number(); }
+  [[nodiscard]] int descriptor() const { return descriptor_.get(); }
   [[nodiscard]] int read() const {
     signalfd_siginfo told{};
     return ::read(descriptor(), &told, sizeof(told)) == sizeof(told)
@@ -170,30 +155,30 @@ std::optional<std::size_t> first_of(const Signals& signals, const std::vector<in
   return std::nullopt;
 }
 
-Json ask(const ControlEndpoint& endpoint, const Json& request) {
-  return Json::parse(ask_control(endpoint, "", request.dump()).body);
-}
-
-/// Asks in a thread; `descriptor` becomes readable when the answer is there, or none will come.
+/// Asks in a thread; `descriptor` becomes readable when the answer is there, or none will come. A
+/// rig that does not answer holds it until it has ended.
 class Asked {
  public:
   Asked(const ControlEndpoint& endpoint, const Json& request)
       : answered_(::eventfd(0, EFD_CLOEXEC)), thread_([this, endpoint, request] {
           try {
-            static_cast<void>(ask(endpoint, request));
+            answer_ = Json::parse(ask_control(endpoint, "", request.dump()).body);
           } catch (const std::exception&) {
             // The rig is gone; its own end tells why.
           }
           const std::uint64_t one = 1;
-          static_cast<void>(::write(answered_.number(), &one, sizeof(one)) == sizeof(one));
+          static_cast<void>(::write(descriptor(), &one, sizeof(one)) == sizeof(one));
         }) {}
   ~Asked() { thread_.join(); }
   Asked(const Asked&) = delete;
   Asked& operator=(const Asked&) = delete;
-  [[nodiscard]] int descriptor() const { return answered_.number(); }
+  [[nodiscard]] int descriptor() const { return answered_.get(); }
+  /// Once `descriptor` is readable: nothing when the rig is gone.
+  [[nodiscard]] const std::optional<Json>& answer() const { return answer_; }
 
  private:
   Descriptor answered_;
+  std::optional<Json> answer_;
   std::thread thread_;
 };
 
@@ -240,44 +225,51 @@ class CampaignRun {
   /// Throws NotJudged and Interrupted.
   RunEvidence operator()(const Signals& signals) {
     const Campaign& campaign = campaign_.campaign;
-    std::array<int, 2> pipe{};
-    if (::pipe2(pipe.data(), O_CLOEXEC) != 0) {
-      throw drivers::EndpointError(std::string("pipe: ") + std::strerror(errno));
-    }
-    Descriptor told(pipe[0]);
-    Descriptor tells(pipe[1]);
-    Child rig(folder_ / "rig.log", [&] { return run(rig_.configuration, options(pipe[1])); });
-    tells.close();
-    const Json ready = when_ready(signals, told.number(), rig);
+    const auto limit = steady_clock::now() + campaign.patience;
+    ReadyPipe pipe;
+    Child rig(folder_ / "rig.log",
+              [&] { return run(rig_.configuration, options(pipe.written())); });
+    pipe.handed_over();
+    const Json ready = when_ready(signals, pipe, rig);
     std::optional<Child> program;
     if (!campaign.program.empty()) {
       const std::vector<std::string> words = filled(ready);
-      program.emplace(folder_ / "program.log", [&words] { return become(words); });
+      program.emplace(folder_ / "program.log", [&words] { return drivers::become(words); });
     }
     RunEvidence evidence;
     evidence.truth = folder_ / "truth.jsonl";
     evidence.duration = campaign.duration;
+    const auto wait = [&](const Asked& asked, int other) {
+      const auto left = std::chrono::ceil<milliseconds>(limit - steady_clock::now());
+      if (!first_of(signals, {asked.descriptor(), rig.descriptor(), other},
+                    std::max(left, milliseconds{0}))) {
+        throw NotJudged(
+            fmt::format("not done within its patience, {}",
+                        fields::print_duration(campaign.patience.count())));
+      }
+    };
     std::optional<Asked> until;  // joined when the rig has ended
+    std::optional<Asked> events;
+    std::optional<Asked> stop;
     try {
       until.emplace(
           wires_.control(),
           Json{{"verb", "run_until"}, {"time", fmt::format("{} ns", campaign.duration.count())}});
-      static_cast<void>(first_of(
-          signals, {until->descriptor(), rig.descriptor(), program ? program->descriptor() : -1}));
+      wait(*until, program ? program->descriptor() : -1);
       if (program) {
         const bool by_itself = program->status().has_value();
         evidence.program = {by_itself, program->end(SIGINT, kProgramPatience)};
       }
-      if (!rig.status()) {
-        WholeFile("the events", folder_ / "events.json")
-            .write(ask(wires_.control(), {{"verb", "events"}}).dump(1) + "\n");
-        static_cast<void>(ask(wires_.control(), {{"verb", "stop"}}));
+      events.emplace(wires_.control(), Json{{"verb", "events"}});
+      wait(*events, -1);
+      if (events->answer()) {
+        WholeFile("the events", folder_ / "events.json").write(events->answer()->dump(1) + "\n");
+        stop.emplace(wires_.control(), Json{{"verb", "stop"}});
+        wait(*stop, -1);
       }
-    } catch (const Interrupted&) {
+    } catch (...) {
       end_both(rig, program);
       throw;
-    } catch (const drivers::EndpointError&) {
-      // Gone between two looks; its status tells.
     }
     const int status = rig.end(0, kRigPatience);
     rig_cpu_s_ = rig.cpu_s();
@@ -307,22 +299,21 @@ class CampaignRun {
     return options;
   }
 
-  Json when_ready(const Signals& signals, int told, Child& rig) const {
+  Json when_ready(const Signals& signals, ReadyPipe& pipe, Child& rig) const {
     const auto end = steady_clock::now() + kReadyPatience;
-    std::string line;
-    while (line.find('\n') == std::string::npos) {
+    std::optional<std::string> line;
+    while (!line) {
       const auto left = std::chrono::duration_cast<milliseconds>(end - steady_clock::now());
-      if (left.count() <= 0 || !first_of(signals, {told}, left)) {
+      if (left.count() <= 0 || !first_of(signals, {pipe.descriptor()}, left)) {
         throw NotJudged("the rig is not ready within a minute");
       }
-      std::array<char, 4096> bytes{};
-      const ::ssize_t count = ::read(told, bytes.data(), bytes.size());
-      if (count <= 0) {
+      try {
+        line = pipe.hear();
+      } catch (const drivers::EndpointError&) {
         throw NotJudged(end_text(rig.end(SIGTERM, kRigPatience)));
       }
-      line.append(bytes.data(), static_cast<std::size_t>(count));
     }
-    return Json::parse(line);
+    return Json::parse(*line);
   }
 
   /// The program's words with everything filled in.

@@ -1,105 +1,106 @@
 #include "hil/conformance/rig_process.h"
 
 #include <fcntl.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <poll.h>
+#include <stdlib.h>
 
-#include <array>
 #include <cerrno>
 #include <chrono>
-#include <cstdlib>
+#include <csignal>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <thread>
 
 #include "drivers/endpoints.h"
 #include "hil/configuration/plain_text.h"
+#include "hil/control/ready.h"
 
 namespace rigwire::hil {
 
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
 namespace {
 
-using std::chrono::milliseconds;
+constexpr milliseconds kReadyPatience{30'000};
+constexpr milliseconds kEndPatience{10'000};
 
-std::string content_of(const std::string& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
+fs::path made_folder() {
+  std::string pattern = (fs::temp_directory_path() / "rigwire-conform-XXXXXX").string();
+  if (::mkdtemp(pattern.data()) == nullptr) {
+    throw drivers::EndpointError(pattern + ": " + std::strerror(errno));
+  }
+  return pattern;
+}
+
+/// Throws drivers::EndpointError when it ends before, or the patience is over.
+std::string line_of(ReadyPipe& pipe) {
+  const auto end = steady_clock::now() + kReadyPatience;
+  std::optional<std::string> line;
+  while (!line) {
+    const auto left = std::chrono::ceil<milliseconds>(end - steady_clock::now());
+    pollfd waiting{pipe.descriptor(), POLLIN, 0};
+    const int count = left.count() > 0 ? ::poll(&waiting, 1, static_cast<int>(left.count())) : 0;
+    if (count == 0) {
+      throw drivers::EndpointError("not ready within 30 s");
+    }
+    if (count > 0) {
+      line = pipe.hear();
+    }
+  }
+  return *line;
 }
 
 }  // namespace
 
-RigProcess::RigProcess(const std::string& rig, const std::vector<std::string>& sets) {
-  std::string pattern =
-      (std::filesystem::temp_directory_path() / "rigwire-conform-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) {
-    throw drivers::EndpointError("rig " + rig + ": " + pattern + ": " + std::strerror(errno));
-  }
-  folder_ = pattern;
-  const std::string run = folder_ + "/run";
-  const std::string log = folder_ + "/log";
-  std::vector<std::string> words{"rigwire", "run", rig, "--isolated", run, "--status", "none"};
+RigProcess::RigProcess(const std::string& rig, const std::vector<std::string>& sets)
+    : folder_(made_folder()) {
+  const fs::path log = folder_ / "log";
+  ReadyPipe pipe;
+  std::vector<std::string> words{"/proc/self/exe", "run",      rig,    "--isolated",
+                                 folder_ / "run",  "--status", "none", "--ready-fd",
+                                 std::to_string(pipe.written())};
   for (const std::string& set : sets) {
     words.insert(words.end(), {"--set", set});
   }
-  std::vector<char*> arguments;
-  for (std::string& word : words) {
-    arguments.push_back(word.data());
+  try {
+    process_.emplace(log, [&] {
+      ::fcntl(pipe.written(), F_SETFD, 0);
+      return drivers::become(words);
+    });
+    pipe.handed_over();
+    wires_ = nlohmann::json::parse(line_of(pipe)).at("devices");
+  } catch (const drivers::EndpointError& error) {
+    process_.reset();
+    std::ifstream file(log);
+    const std::string said{std::istreambuf_iterator<char>(file), {}};
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+    throw drivers::EndpointError("rig " + rig + ": " + error.what() +
+                                 (said.empty() ? "" : ":\n" + printable(said, "\n")));
   }
-  arguments.push_back(nullptr);
-  process_ = ::fork();
-  if (process_ == 0) {
-    const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-    ::dup2(file, STDOUT_FILENO);
-    ::dup2(file, STDERR_FILENO);
-    ::execv("/proc/self/exe", arguments.data());
-    ::_exit(127);
-  }
-  for (int i = 0; i < 600 && process_ > 0; ++i) {
-    if (std::filesystem::exists(run + "/run.json")) {
-      return;
-    }
-    if (::waitpid(process_, nullptr, WNOHANG) == process_) {
-      process_ = -1;
-    }
-    std::this_thread::sleep_for(milliseconds(50));
-  }
-  const std::string said = content_of(log);
-  end();
-  throw drivers::EndpointError("rig " + rig + " is not ready" +
-                               (said.empty() ? "" : ":\n" + printable(said, "\n")));
 }
 
 RigProcess::~RigProcess() {
-  end();
-}
-
-void RigProcess::end() {
-  if (process_ > 0) {
-    ::kill(process_, SIGINT);
-    ::waitpid(process_, nullptr, 0);
-    process_ = -1;
-  }
+  static_cast<void>(process_->end(SIGINT, kEndPatience));
   std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
+  fs::remove_all(folder_, ignored);
 }
 
 std::string RigProcess::wire(const std::string& device) const {
-  const auto told = nlohmann::json::parse(content_of(folder_ + "/run/run.json"));
-  const auto& devices = told.at("devices");
-  if (!devices.contains(device)) {
+  const auto found = wires_.find(device);
+  if (found == wires_.end()) {
     std::string names;
-    for (const auto& [name, wire] : devices.items()) {
+    for (const auto& [name, wire] : wires_) {
       names += (names.empty() ? "" : ", ") + name;
     }
     throw std::invalid_argument("no such device in the rig, found \"" + device + "\", allowed " +
                                 names);
   }
-  return devices.at(device).get<std::string>();
+  return found->second;
 }
 
 }  // namespace rigwire::hil

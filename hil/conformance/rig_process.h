@@ -2,10 +2,13 @@
 // --isolated` in a process and a folder of its own, which end with it.
 #pragma once
 
-#include <sys/types.h>
-
+#include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "drivers/child.h"
 
 namespace rigwire::hil {
 
@@ -14,20 +17,19 @@ class RigProcess {
   /// Returns when every wire is open. Throws drivers::EndpointError with what it said when it ends
   /// before or is not ready in 30 s.
   explicit RigProcess(const std::string& rig, const std::vector<std::string>& sets = {});
+  /// Ends the run and removes its folder.
+  ~RigProcess();
   RigProcess(const RigProcess&) = delete;
   RigProcess& operator=(const RigProcess&) = delete;
-  ~RigProcess();
 
-  /// Where a device's wire is, as run.json says: "tcp 127.0.0.1:1502". Throws
-  /// std::invalid_argument for a device that the rig does not have.
+  /// Where a device's wire is: "tcp 127.0.0.1:1502". Throws std::invalid_argument for a device that
+  /// the rig does not have.
   [[nodiscard]] std::string wire(const std::string& device) const;
 
  private:
-  /// Ends the run and removes its folder.
-  void end();
-
-  std::string folder_;
-  pid_t process_ = -1;
+  std::filesystem::path folder_;
+  std::optional<drivers::Child> process_;
+  std::map<std::string, std::string> wires_;
 };
 
 }  // namespace rigwire::hil

@@ -6,13 +6,27 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cstddef>
 #include <cstdlib>
+#include <cstring>
 #include <string_view>
 
-#include "drivers/descriptor.h"
+#include "drivers/endpoints.h"
 
 namespace rigwire::hil {
+namespace {
+
+std::array<int, 2> opened_pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
+    throw drivers::EndpointError(std::string("pipe: ") + std::strerror(errno));
+  }
+  return ends;
+}
+
+}  // namespace
 
 bool can_be_written(int descriptor) {
   const int flags = ::fcntl(descriptor, F_GETFL);
@@ -29,6 +43,22 @@ void tell_ready(int descriptor, const std::string& line) {
     }
     written += static_cast<std::size_t>(count);
   }
+}
+
+ReadyPipe::ReadyPipe() : ReadyPipe(opened_pipe()) {}
+
+ReadyPipe::ReadyPipe(std::array<int, 2> ends)
+    : heard_(ends[0]), written_(std::in_place, ends[1]) {}
+
+std::optional<std::string> ReadyPipe::hear() {
+  std::array<char, 4096> bytes{};
+  const ssize_t count = ::read(descriptor(), bytes.data(), bytes.size());
+  if (count <= 0) {
+    throw drivers::EndpointError("the run ended before it was ready");
+  }
+  line_.append(bytes.data(), static_cast<std::size_t>(count));
+  const std::size_t end = line_.find('\n');
+  return end == std::string::npos ? std::nullopt : std::optional(line_.substr(0, end));
 }
 
 void notify_service_manager() {

@@ -1,7 +1,11 @@
-// Telling whoever started a run that every wire is open.
+// Telling whoever started a run that every wire is open, and hearing it.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
+
+#include "drivers/descriptor.h"
 
 namespace rigwire::hil {
 
@@ -12,6 +16,31 @@ namespace rigwire::hil {
 /// Writes `line` and its end to the descriptor and closes it; a reader that has gone is no fault of
 /// the run. Precondition: can_be_written(descriptor).
 void tell_ready(int descriptor, const std::string& line);
+
+/// For who starts a run: a pipe that the run writes its line to.
+class ReadyPipe {
+ public:
+  /// Throws drivers::EndpointError.
+  ReadyPipe();
+
+  /// The run's end; programs that are started do not inherit it.
+  [[nodiscard]] int written() const { return written_->get(); }
+  /// The run has its end: it is closed on this side.
+  void handed_over() { written_.reset(); }
+
+  /// Becomes readable, for poll(), when there is something to hear.
+  [[nodiscard]] int descriptor() const { return heard_.get(); }
+  /// Reads what is there, waiting for something: the line, without its end, as soon as it is whole.
+  /// Throws drivers::EndpointError when the run ended before.
+  [[nodiscard]] std::optional<std::string> hear();
+
+ private:
+  explicit ReadyPipe(std::array<int, 2> ends);
+
+  drivers::Descriptor heard_;
+  std::optional<drivers::Descriptor> written_;
+  std::string line_;
+};
 
 /// Tells a service manager, where the environment names one (sd_notify(3), NOTIFY_SOCKET).
 void notify_service_manager();

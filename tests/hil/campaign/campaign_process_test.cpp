@@ -140,6 +140,20 @@ TEST_F(CampaignProcess, what_was_killed_is_run_again_and_nothing_else) {
   EXPECT_EQ(fs::last_write_time(place(0) / "result.json"), before);
 }
 
+// It held the engine's slot for ever.
+TEST_F(CampaignProcess, a_run_that_does_not_end_is_ended_and_not_judged) {
+  std::ofstream(folder_ / "campaign.yaml")
+      << "rig: rig.yaml\nclock: real\nduration: 10 min\npatience: 2 s\n"
+         "program: [sh, -c, \"for child in $(cat /proc/$PPID/task/$PPID/children); do test $child = "
+         "$$ || kill -STOP $child; done; exec sleep 600\"]\n"
+         "criteria: {ended: {type: program_exit}}\n";
+  const Done done = rigwire(run("0"));
+  EXPECT_EQ(done.code, 1) << done.output;
+  EXPECT_THAT(done.output, HasSubstr("not done within its patience, 2 s"));
+  EXPECT_EQ(result(0)["outcome"], "crashed");
+  EXPECT_FALSE(fs::exists(place(0) / "DONE"));
+}
+
 TEST_F(CampaignProcess, a_signal_ends_rig_and_program_and_leaves_no_mark) {
   std::ofstream(folder_ / "campaign.yaml")
       << "rig: rig.yaml\nclock: real\nduration: 10 min\n"

@@ -123,6 +123,7 @@ th, td { text-align: left; vertical-align: top; padding: .35em .6em; border-bott
 th { position: sticky; top: 0; background: Canvas; }
 td.chapter { font-weight: 600; padding-top: 1.4em; }
 td.id { white-space: nowrap; font-family: ui-monospace, monospace; font-size: 13px; }
+tr { scroll-margin-top: 6em; }
 .title { min-width: 18em; }
 .source { opacity: .7; font-size: 13px; }
 summary { cursor: pointer; }
@@ -297,21 +298,24 @@ std::string html_text(std::span<const SuiteResult> results) {
       "<meta name=\"viewport\" content=\"width=device-width\">\n"
       "<title>Conformance</title>\n";
   text += kStyle;
-  text += "\n<h1>Conformance</h1>\n<table>\n<tr><th>Case</th><th>What is checked</th>";
+  text += "\n<h1>Conformance</h1>\n";
+  std::string table = "<table>\n<tr><th>Case</th><th>What is checked</th>";
   for (const SuiteResult& result : results) {
-    text += "<th>" + escape_markup(result.suite + " " + result.endpoint) +
-            "<br><span class=\"source\">" + escape_markup(summary(result)) + "</span></th>";
+    table += "<th>" + escape_markup(result.suite + " " + result.endpoint) +
+             "<br><span class=\"source\">" + escape_markup(summary(result)) + "</span></th>";
   }
-  text += "</tr>\n";
+  table += "</tr>\n";
+  std::string failing;
   std::string before;
   for (const CaseResult* row : rows) {
     if (chapter(row->identity.id) != before) {
       before = chapter(row->identity.id);
-      text += "<tr><td class=\"chapter\" colspan=\"" + std::to_string(results.size() + 2) + "\">" +
-              escape_markup(before) + "</td></tr>\n";
+      table += "<tr><td class=\"chapter\" colspan=\"" + std::to_string(results.size() + 2) + "\">" +
+               escape_markup(before) + "</td></tr>\n";
     }
     const CaseResult* first = nullptr;
     bool differs = false;
+    bool fails = false;
     std::string cells;
     for (const auto& column : columns) {
       const auto found = column.find(row->identity.id);
@@ -319,14 +323,23 @@ std::string html_text(std::span<const SuiteResult> results) {
       cells += cell(each);
       differs = differs || (first != nullptr && each != nullptr && first->verdict != each->verdict);
       first = first == nullptr ? each : first;
+      fails = fails || (each != nullptr &&
+                        (each->verdict == Verdict::fail || each->verdict == Verdict::error));
     }
-    text += differs ? "<tr class=\"differs\">" : "<tr>";
-    text += "<td class=\"id\">" + escape_markup(row->identity.id) + "</td><td class=\"title\">" +
-            escape_markup(row->identity.title) + "<br><span class=\"source\">" +
-            escape_markup(row->identity.source) + ", " + std::string(word(row->identity.strength)) +
-            "</span></td>" + cells + "</tr>\n";
+    const std::string id = escape_markup(row->identity.id);
+    if (fails) {
+      failing += " <a href=\"#" + id + "\">" + id + "</a>";
+    }
+    table += "<tr id=\"" + id + (differs ? "\" class=\"differs\">" : "\">");
+    table += "<td class=\"id\">" + id + "</td><td class=\"title\">" +
+             escape_markup(row->identity.title) + "<br><span class=\"source\">" +
+             escape_markup(row->identity.source) + ", " +
+             std::string(word(row->identity.strength)) + "</span></td>" + cells + "</tr>\n";
   }
-  return text + "</table>\n</html>\n";
+  if (!failing.empty()) {
+    text += "<p class=\"source\">Fails:" + failing + "</p>\n";
+  }
+  return text + table + "</table>\n</html>\n";
 }
 
 std::vector<std::uint8_t> capture_of(const CaseResult& result, const Endpoint& endpoint) {

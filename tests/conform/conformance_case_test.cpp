@@ -101,6 +101,20 @@ TEST(Reports, MarkupIsEscaped) {
   }
 }
 
+TEST(Reports, ThePageLeadsToWhatFails) {
+  const std::array<SuiteResult, 1> results{some_result()};
+  const std::string page = html_text(results);
+  std::size_t failures = 0;
+  for (const CaseResult& each : results[0].cases) {
+    const std::string& id = each.identity.id;
+    const bool leads = page.find("<a href=\"#" + id + "\">") != std::string::npos;
+    EXPECT_EQ(leads, each.verdict == Verdict::fail || each.verdict == Verdict::error) << id;
+    EXPECT_NE(page.find("<tr id=\"" + id + "\""), std::string::npos) << id;
+    failures += leads ? 1 : 0;
+  }
+  EXPECT_EQ(failures, 1U);
+}
+
 TEST(Reports, ACaptureHasEveryByteThatWentOver) {
   namespace pcapng = protocols::pcapng;
   using Kind = Endpoint::Kind;

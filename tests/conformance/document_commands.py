@@ -84,7 +84,7 @@ COMMANDS = [
     (r"rigwire campaign report .*", "ends", None, "199 missing"),
     (r"configs/campaigns/engines/slurm\.sh .*", "campaign_engines_test.cpp does so with a cluster of its own",
      None, None),
-    (r"(cpack|scripts/try-package\.sh) .*", "tests/install does so", None, None),
+    (r"(cpack|scripts/try-(package|image)\.sh) .*", "tests/install does so", None, None),
     # Rigs and field programs.
     (r"build/find_rocks --camera 127\.0\.0\.3 .*", "goes on", ("unimog_vision",), None),
     (r"build/find_rocks --mount .*", "goes on", ("excavator_vision",), None),

@@ -219,12 +219,7 @@ void VelodyneLidar::power_up(SimTime now, Duration start_up) {
     report_->power_up();
   }
   time_input_.power_up(now, clock_);
-  assembly_.discard();
-  data_.clear();
-  packet_complete_at_ = now + packet_period(model_, live_.return_mode);
-  expected_time_ = kNever;
-  phase_locked_ = false;
-  next_position_ = kNever;
+  begin_packets(now);
   if (model_.position_layout != velodyne::PositionLayout::none) {
     position_slot_ = running_from_;
     plan_position();
@@ -234,13 +229,17 @@ void VelodyneLidar::power_up(SimTime now, Duration start_up) {
 
 void VelodyneLidar::power_down(SimTime now) {
   running_from_ = kNever;
+  begin_packets(now);
+  command_head(now);
+}
+
+void VelodyneLidar::begin_packets(SimTime now) {
   assembly_.discard();
   data_.clear();
   packet_complete_at_ = now + packet_period(model_, live_.return_mode);
   expected_time_ = kNever;
   phase_locked_ = false;
   next_position_ = kNever;
-  command_head(now);
 }
 
 SamplePlan VelodyneLidar::sample_plan() const {

@@ -117,6 +117,8 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   void build_pattern();
   void power_up(SimTime now, Duration start_up);
   void power_down(SimTime now);
+  /// What was being put together is forgotten.
+  void begin_packets(SimTime now);
   void restart(SimTime now);
   /// But for the supply.
   void live_until(SimTime now);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -23,7 +24,9 @@ static_assert(kCensusPairs == ((2 * kAcross + 1) * kLines - 1) / 2);
 constexpr std::size_t kBytes = (kCensusPairs + 7) / 8;
 /// Of what lies beyond the other picture's edge: nothing is like it.
 constexpr std::uint8_t kBeyond = kCensusPairs;
-constexpr std::uint16_t kNoSum = 0xFFFF;
+/// Above every sum.
+template <class Sum>
+constexpr Sum kNoSum = std::numeric_limits<Sum>::max();
 constexpr short kNotFound = -kDisparitySteps;
 /// Bytes on each side of a pixel's path costs, so that the outermost disparities have neighbours.
 constexpr std::size_t kMargin = 32;
@@ -33,8 +36,9 @@ constexpr int kStrips = 4;
 constexpr int kRunUp = 24;
 
 /// All bits unless it holds, without a branch.
-constexpr std::uint16_t unless(bool holds) {
-  return static_cast<std::uint16_t>(static_cast<std::uint16_t>(holds) - 1U);
+template <class Sum>
+constexpr Sum unless(bool holds) {
+  return static_cast<Sum>(static_cast<Sum>(holds) - 1U);
 }
 
 /// Which pixel of each pair is brighter, for the pixels of a row.
@@ -123,7 +127,9 @@ struct PathRow {
   std::vector<std::uint8_t> least;
 };
 
-/// What the rows of a picture are worked out in.
+/// What the rows of a picture are worked out in. Sums, and disparities beside them, have one byte
+/// where both fit, else two: half of them fit a register.
+template <class Sum>
 struct Workplace {
   int width = 0;
   int disparities = 0;
@@ -136,13 +142,13 @@ struct Workplace {
   CensusRow left;
   CensusRow right;  ///< From the right to the left: higher disparities come later.
   std::vector<std::uint8_t> costs;
-  std::vector<std::uint16_t> sums;
+  std::vector<Sum> sums;
   std::array<std::vector<std::uint8_t>, 2> along;    ///< Of a pixel and the one before.
   std::array<std::array<PathRow, 2>, 3> from_above;  ///< Of a row and the one before.
-  std::vector<std::uint16_t> numbers;                ///< 0, 1, 2 ...
+  std::vector<Sum> numbers;                          ///< 0, 1, 2 ...
   /// Of the right picture's pixels, from the right to the left.
-  std::vector<std::uint16_t> right_sum;
-  std::vector<std::uint16_t> right_disparity;
+  std::vector<Sum> right_sum;
+  std::vector<Sum> right_disparity;
 
   [[nodiscard]] std::size_t stride() const {
     return static_cast<std::size_t>(disparities) + 2 * kMargin;
@@ -160,7 +166,8 @@ struct Workplace {
 };
 
 /// Costs of a row, and the paths that come from the left and from above.
-RIGWIRE_WIDE_VECTORS void go_right(std::size_t row, Workplace& w) {
+template <class Sum>
+inline __attribute__((always_inline)) void sum_rightwards(std::size_t row, Workplace<Sum>& w) {
   const int disparities = w.disparities;
   w.begin_along();
   std::uint8_t least = 0;
@@ -190,12 +197,12 @@ RIGWIRE_WIDE_VECTORS void go_right(std::size_t row, Workplace& w) {
                                 before.least[from], w.penalties, disparities, to);
       return to;
     };
-    std::uint16_t* const sum = w.sums.data() + at * static_cast<std::size_t>(disparities);
+    Sum* const sum = w.sums.data() + at * static_cast<std::size_t>(disparities);
     const std::uint8_t* const above = from_above(1);
     if (!w.slanting) {
 #pragma GCC ivdep
       for (int d = 0; d < disparities; ++d) {
-        sum[d] = static_cast<std::uint16_t>(path[d] + above[d]);
+        sum[d] = static_cast<Sum>(path[d] + above[d]);
       }
       continue;
     }
@@ -203,7 +210,7 @@ RIGWIRE_WIDE_VECTORS void go_right(std::size_t row, Workplace& w) {
     const std::uint8_t* const right_above = from_above(2);
 #pragma GCC ivdep
     for (int d = 0; d < disparities; ++d) {
-      sum[d] = static_cast<std::uint16_t>(path[d] + above[d] + left_above[d] + right_above[d]);
+      sum[d] = static_cast<Sum>(path[d] + above[d] + left_above[d] + right_above[d]);
     }
   }
 }
@@ -216,47 +223,49 @@ inline int beside(int before, int middle, int after) {
 
 /// The paths that come from the right, and what is best of the sums: for the left picture's pixels
 /// steps and margins, for the right one's what leads to them.
-RIGWIRE_WIDE_VECTORS void go_left(Workplace& w, short* steps, std::uint8_t* margins) {
+template <class Sum>
+inline __attribute__((always_inline)) void sum_leftwards(Workplace<Sum>& w, short* steps,
+                                                         std::uint8_t* margins) {
   const int disparities = w.disparities;
   w.begin_along();
-  std::ranges::fill(w.right_sum, kNoSum);
-  const std::uint16_t* const number = w.numbers.data();
+  std::ranges::fill(w.right_sum, kNoSum<Sum>);
+  const Sum* const number = w.numbers.data();
   std::uint8_t least = 0;
   for (int x = w.width - 1; x >= 0; --x) {
     const auto at = static_cast<std::size_t>(x);
     const std::uint8_t* const cost = w.costs.data() + at * static_cast<std::size_t>(disparities);
-    std::uint16_t* const sum = w.sums.data() + at * static_cast<std::size_t>(disparities);
+    Sum* const sum = w.sums.data() + at * static_cast<std::size_t>(disparities);
     std::uint8_t* const path = w.along[at % 2].data() + kMargin;
     least =
         go_on(cost, w.along[1 - at % 2].data() + kMargin, least, w.penalties, disparities, path);
-    std::uint16_t lowest = kNoSum;
+    Sum lowest = kNoSum<Sum>;
 #pragma GCC ivdep
     for (int d = 0; d < disparities; ++d) {
-      const auto all = static_cast<std::uint16_t>(sum[d] + path[d]);
+      const auto all = static_cast<Sum>(sum[d] + path[d]);
       sum[d] = all;
       lowest = all < lowest ? all : lowest;
     }
-    std::uint16_t* const right_sum = w.right_sum.data() + w.right_of(x);
-    std::uint16_t* const right_disparity = w.right_disparity.data() + w.right_of(x);
-    std::uint16_t first = kNoSum;
+    Sum* const right_sum = w.right_sum.data() + w.right_of(x);
+    Sum* const right_disparity = w.right_disparity.data() + w.right_of(x);
+    Sum first = kNoSum<Sum>;
 #pragma GCC ivdep
     for (int d = 0; d < disparities; ++d) {
-      const std::uint16_t all = sum[d];
-      const std::uint16_t known = right_sum[d];
-      const std::uint16_t leads = right_disparity[d];
+      const Sum all = sum[d];
+      const Sum known = right_sum[d];
+      const Sum leads = right_disparity[d];
       right_sum[d] = all < known ? all : known;
       right_disparity[d] = all < known ? number[d] : leads;
-      const auto here = static_cast<std::uint16_t>(number[d] | unless(all == lowest));
+      const auto here = static_cast<Sum>(number[d] | unless<Sum>(all == lowest));
       first = here < first ? here : first;
     }
     const int best = first;
     // The least of what does not lie beside it.
-    const auto before = static_cast<std::uint16_t>(best - 1);
-    std::uint16_t next = kNoSum;
+    const auto before = static_cast<Sum>(best - 1);
+    Sum next = kNoSum<Sum>;
 #pragma GCC ivdep
     for (int d = 0; d < disparities; ++d) {
-      const auto apart = static_cast<std::uint16_t>(number[d] - before);
-      const auto other = static_cast<std::uint16_t>(sum[d] | unless(apart > 2));
+      const auto apart = static_cast<Sum>(number[d] - before);
+      const auto other = static_cast<Sum>(sum[d] | unless<Sum>(apart > 2));
       next = other < next ? other : next;
     }
     margins[at] = static_cast<std::uint8_t>(255.0F * static_cast<float>(next - lowest) /
@@ -275,6 +284,26 @@ RIGWIRE_WIDE_VECTORS void go_left(Workplace& w, short* steps, std::uint8_t* marg
   }
 }
 
+RIGWIRE_WIDE_VECTORS void go_right(std::size_t row, Workplace<std::uint8_t>& w) {
+  sum_rightwards(row, w);
+}
+RIGWIRE_WIDE_VECTORS void go_right(std::size_t row, Workplace<std::uint16_t>& w) {
+  sum_rightwards(row, w);
+}
+RIGWIRE_WIDE_VECTORS void go_left(Workplace<std::uint8_t>& w, short* steps, std::uint8_t* margins) {
+  sum_leftwards(w, steps, margins);
+}
+RIGWIRE_WIDE_VECTORS void go_left(Workplace<std::uint16_t>& w, short* steps,
+                                  std::uint8_t* margins) {
+  sum_leftwards(w, steps, margins);
+}
+
+/// Whether sums and disparities are below 255. A path goes up by P2 from its least at most.
+bool fits_bytes(const StereoMatchingParameters& p) {
+  const int paths = p.paths == MatchingPaths::five ? 5 : 3;
+  return paths * (kCensusPairs + p.large_step_bits) < 255 && p.disparities < 255;
+}
+
 /// Of 255, by a margin of 255: 160 at a quarter of it, so that in the pit of `bench camera` as many
 /// have 128 and more as by OpenCV's two searches.
 inline int sure_of(int margin) {
@@ -282,6 +311,7 @@ inline int sure_of(int margin) {
   return margin < kQuarter ? margin * 5 / 2 : 160 + (margin - kQuarter) * 95 / (255 - kQuarter);
 }
 
+template <class Sum>
 class CensusMatcher final : public StereoMatcher {
  public:
   CensusMatcher(const StereoMatchingParameters& parameters, int threads)
@@ -306,7 +336,7 @@ class CensusMatcher final : public StereoMatcher {
 
  private:
   void search(const StereoPair& pair, int strip) {
-    Workplace& w = work_[static_cast<std::size_t>(strip)];
+    Workplace<Sum>& w = work_[static_cast<std::size_t>(strip)];
     const int rows = (pair.height + kStrips - 1) / kStrips;
     const int first = strip * rows;
     const int end = std::min(pair.height, first + rows);
@@ -328,7 +358,7 @@ class CensusMatcher final : public StereoMatcher {
   }
 
   void prepare(const StereoPair& pair) {
-    for (Workplace& w : work_) {
+    for (Workplace<Sum>& w : work_) {
       prepare(pair, w);
     }
     there_.create(pair.height, pair.width, CV_16S);
@@ -336,7 +366,7 @@ class CensusMatcher final : public StereoMatcher {
     margins_.create(pair.height, pair.width, CV_8U);
   }
 
-  void prepare(const StereoPair& pair, Workplace& w) const {
+  void prepare(const StereoPair& pair, Workplace<Sum>& w) const {
     w.width = pair.width;
     w.disparities = parameters_.disparities;
     w.least_disparity = parameters_.least_disparity;
@@ -355,7 +385,7 @@ class CensusMatcher final : public StereoMatcher {
     w.sums.resize(width * disparities);
     w.numbers.resize(disparities);
     for (std::size_t d = 0; d < disparities; ++d) {
-      w.numbers[d] = static_cast<std::uint16_t>(d);
+      w.numbers[d] = static_cast<Sum>(d);
     }
     w.right_sum.resize(searched);
     w.right_disparity.assign(searched, 0);
@@ -393,7 +423,7 @@ class CensusMatcher final : public StereoMatcher {
   }
 
   /// What leads back from each of the right picture's pixels.
-  static void come_back(const Workplace& w, short* back) {
+  static void come_back(const Workplace<Sum>& w, short* back) {
     const auto sum = [&w](int x, int d) {
       return static_cast<int>(
           w.sums[static_cast<std::size_t>(x) * static_cast<std::size_t>(w.disparities) +
@@ -401,7 +431,7 @@ class CensusMatcher final : public StereoMatcher {
     };
     for (int right = 0; right < w.width; ++right) {
       const auto at = static_cast<std::size_t>(w.width - 1 - right);
-      if (w.right_sum[at] == kNoSum) {
+      if (w.right_sum[at] == kNoSum<Sum>) {
         back[right] = kNotFound;
         continue;
       }
@@ -452,7 +482,7 @@ class CensusMatcher final : public StereoMatcher {
 
   StereoMatchingParameters parameters_;
   WorkerPool pool_;
-  std::array<Workplace, kStrips> work_;
+  std::array<Workplace<Sum>, kStrips> work_;
   cv::Mat there_, back_, margins_, islands_;
 };
 
@@ -460,7 +490,10 @@ class CensusMatcher final : public StereoMatcher {
 
 std::unique_ptr<StereoMatcher> make_census_matcher(const StereoMatchingParameters& parameters,
                                                    int threads) {
-  return std::make_unique<CensusMatcher>(parameters, threads);
+  if (fits_bytes(parameters)) {
+    return std::make_unique<CensusMatcher<std::uint8_t>>(parameters, threads);
+  }
+  return std::make_unique<CensusMatcher<std::uint16_t>>(parameters, threads);
 }
 
 }  // namespace rigwire::sim

@@ -304,18 +304,26 @@ TEST(StereoMatcher, TheCensusWayIsThatOfItsEquations) {
   for (std::uint8_t& value : shifted.right) {
     value = static_cast<std::uint8_t>(0.7 * value + random.uniform(0.0, 40.0));
   }
-  for (const auto& [least, disparities, paths] : {std::tuple{0, 32, MatchingPaths::three},
-                                                  {0, 48, MatchingPaths::five},
-                                                  {3, 16, MatchingPaths::three},
-                                                  {5, 32, MatchingPaths::five}}) {
+  // Sums that reach 252 and 255, on either side of what bytes hold; disparities that do not fit.
+  using enum MatchingPaths;
+  for (const auto& [least, disparities, paths, large_step_bits] : {std::tuple{0, 32, three, 20},
+                                                                   {0, 48, five, 20},
+                                                                   {3, 16, three, 20},
+                                                                   {5, 32, five, 19},
+                                                                   {0, 32, three, 53},
+                                                                   {0, 32, three, 54},
+                                                                   {2, 32, five, 150},
+                                                                   {0, 256, three, 20}}) {
     parameters.least_disparity = least;
     parameters.disparities = disparities;
     parameters.paths = paths;
+    parameters.large_step_bits = large_step_bits;
+    const std::vector<float> plain = plain_census(shifted.pair(), parameters);
     DisparityPicture found;
     const auto matcher = make_stereo_matcher(parameters);
     for (int again = 0; again < 2; ++again) {
       matcher->match(shifted.pair(), false, found);
-      EXPECT_EQ(found.disparity_px, plain_census(shifted.pair(), parameters)) << least;
+      EXPECT_EQ(found.disparity_px, plain) << least << ' ' << disparities << ' ' << large_step_bits;
     }
   }
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -25,20 +26,30 @@ class GroundLooks {
   void find(const std::array<int, kLanes>& mine, const RTCRay8& rays, const LaneArray& pixel_rad,
             const PreparedLook* looks, MetSurfaces& met, LookLanes& look) const;
 
-  /// Of the terrain's own material, of bare slopes, and of each label of its cover.
+  /// Looks of the next label of the terrain's cover; after prepare().
+  void add_label(std::uint16_t look, const Shade& shade);
+
+  /// Of the terrain's own material, and of bare slopes.
   std::uint16_t own = 0;
   std::uint16_t face = 0;
-  std::vector<std::uint16_t> of_label;
 
  private:
   struct Slopes {
     float x = 0.0F, y = 0.0F;
   };
-  /// A place among the nodes, in cells.
-  [[nodiscard]] std::size_t cell(float x, float y) const;
-  [[nodiscard]] std::size_t cell_beyond_edges(float x, float y, float footprint_m,
-                                              const PreparedLook* looks) const;
+  /// Where points are among the nodes, in cells, and which of them are where soils meet: -1.
+  struct Places {
+    LaneArray x, y;
+    alignas(32) std::array<int, kLanes> near_edge;
+  };
+  /// Numbers of the cover's labels.
+  using LabelLanes = std::array<std::uint8_t, kLanes>;
 
+  void cross_edges(const Places& at, const LaneArray& footprint_m, LabelLanes& label) const;
+  void lay_bare(const Places& at, const LaneArray& footprint_m, const LaneArray& steep,
+                const LaneArray& bare_from, std::array<int, kLanes>& bare) const;
+  /// Whether a hard surface lies within kCoverReach of a place.
+  [[nodiscard]] bool near_laid(float x, float y) const;
   void find_slopes(const HeightField& field);
 
   const Scene::Internals::Cover* cover_ = nullptr;      ///< Null: the material everywhere.
@@ -46,6 +57,9 @@ class GroundLooks {
   float per_m_ = 1.0F;
   int columns_ = 0;
   int rows_ = 0;
+  std::vector<std::uint16_t> of_label_;  ///< Look of each label of the cover;
+  std::vector<std::uint8_t> laid_;       ///< whether it is laid along lines;
+  bool any_laid_ = false;                ///< whether one is.
   std::vector<Slopes> nodes_;
   std::weak_ptr<const char> scene_;  ///< That the slopes are of,
   std::uint32_t instance_ = 0;       ///< the terrain in it,

@@ -94,7 +94,8 @@ void SceneLooks::prepare(const Scene::Internals& scene, const std::vector<Surfac
     }
     for (const std::string& label : terrain.cover->labels) {
       const auto shade = shade_of_soil(label, given);
-      ground.of_label.push_back(shade ? add(*shade) : ground.own);
+      const std::uint16_t look = shade ? add(*shade) : ground.own;
+      ground.add_label(look, looks_[look].shade);
     }
   }
 }

@@ -592,12 +592,13 @@ Scene::Internals::Tile Scene::Internals::make_tile(const Terrain& terrain, std::
   // One cell over the next tile: no ray along the border may pass between the two.
   tile.columns = std::min(terrain.tile_cells + 2, field.columns - first_column);
   tile.rows = std::min(terrain.tile_cells + 2, field.rows - first_row);
-  tile.grid.reset(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_GRID));
+  tile.ground.reset(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
   tile.vertices = static_cast<float*>(
-      rtcSetNewGeometryBuffer(tile.grid.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+      rtcSetNewGeometryBuffer(tile.ground.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                               3 * sizeof(float), tile.columns * tile.rows));
-  auto* grid = static_cast<RTCGrid*>(rtcSetNewGeometryBuffer(
-      tile.grid.get(), RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), 1));
+  auto* corner = static_cast<unsigned*>(
+      rtcSetNewGeometryBuffer(tile.ground.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(unsigned), 2 * (tile.columns - 1) * (tile.rows - 1)));
   check("terrain tile");
   float* vertex = tile.vertices;
   // The same floats as in the undivided terrain.
@@ -610,15 +611,22 @@ Scene::Internals::Tile Scene::Internals::make_tile(const Terrain& terrain, std::
       *vertex++ = static_cast<float>(field.node(c, r) - terrain.centre_W.z());
     }
   }
-  *grid = {.startVertexID = 0,
-           .stride = static_cast<unsigned>(tile.columns),
-           .width = static_cast<unsigned short>(tile.columns),
-           .height = static_cast<unsigned short>(tile.rows)};
-  rtcCommitGeometry(tile.grid.get());
+  // The two triangles, and their corners' order, into which Embree splits a cell of a grid.
+  const auto across = static_cast<unsigned>(tile.columns);
+  for (unsigned r = 0; r + 1 < tile.rows; ++r) {
+    for (unsigned c = 0; c + 1 < across; ++c) {
+      const unsigned here = r * across + c;
+      const unsigned north = here + across;
+      for (const unsigned node : {here, here + 1, north, north + 1, north, here + 1}) {
+        *corner++ = node;
+      }
+    }
+  }
+  rtcCommitGeometry(tile.ground.get());
   tile.inner.reset(rtcNewScene(device.get()));
   rtcSetSceneFlags(tile.inner.get(),
                    static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
-  rtcAttachGeometry(tile.inner.get(), tile.grid.get());
+  rtcAttachGeometry(tile.inner.get(), tile.ground.get());
   rtcCommitScene(tile.inner.get());
   tile.placed.reset(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
   rtcSetGeometryInstancedScene(tile.placed.get(), tile.inner.get());
@@ -651,8 +659,8 @@ void Scene::Internals::refresh_terrains() {
               static_cast<float>(terrain.field.node(c, r) - terrain.centre_W.z());
         }
       }
-      rtcUpdateGeometryBuffer(tile.grid.get(), RTC_BUFFER_TYPE_VERTEX, 0);
-      rtcCommitGeometry(tile.grid.get());
+      rtcUpdateGeometryBuffer(tile.ground.get(), RTC_BUFFER_TYPE_VERTEX, 0);
+      rtcCommitGeometry(tile.ground.get());
       rtcCommitScene(tile.inner.get());
       rtcCommitGeometry(tile.placed.get());
     }

@@ -167,15 +167,17 @@ struct Scene::Internals {
     std::vector<std::array<float, 6>> triangles;
   };
   /// A square part of a terrain that changes, so that a dug hole rebuilds little: an instance of
-  /// its own for Embree, the terrain's for everybody else.
+  /// its own for Embree, the terrain's for everybody else. Of triangles: Embree meets them in three
+  /// quarters of the time of a grid, coherent packets with the same ranges and normals to the bit,
+  /// for 300 bytes a cell more and seven times as long to rebuild: of 32 x 32 cells 0.6 ms.
   struct Tile {
     std::size_t first_column = 0;
     std::size_t first_row = 0;
     std::size_t columns = 0;  ///< Nodes; neighbours share those of one cell.
     std::size_t rows = 0;
     std::uint32_t number = 0;   ///< Embree's of it.
-    float* vertices = nullptr;  ///< Of the grid, x y z each.
-    GeometryHandle grid;
+    float* vertices = nullptr;  ///< Row by row, x y z each.
+    GeometryHandle ground;
     SceneHandle inner;
     GeometryHandle placed;
   };

@@ -7,12 +7,12 @@
 
 #include <functional>
 #include <memory>
-#include <set>
 #include <string>
 
 #include "emulated_node.h"
 #include "emulators/canopen/rotary_encoder.h"
 #include "emulators/nonvolatile_memory.h"
+#include "suite_verdicts.h"
 
 namespace rigwire::conform {
 namespace {
@@ -64,18 +64,6 @@ CanopenClaims claims() {
   return survey_canopen(device);
 }
 
-std::vector<std::string> wrong_in(const SuiteResult& result) {
-  std::vector<std::string> wrong;
-  for (const CaseResult& each : result.cases) {
-    if (each.verdict == Verdict::fail || each.verdict == Verdict::lenient ||
-        each.verdict == Verdict::error) {
-      wrong.push_back(each.identity.id + " " + each.identity.title + ": expected " + each.expected +
-                      ", got " + each.got);
-    }
-  }
-  return wrong;
-}
-
 TEST(CanopenSuite, OurEncoderIsRight) {
   const CanopenClaims asked = claims();
   EXPECT_EQ(asked.node, kNode);
@@ -103,11 +91,7 @@ TEST(CanopenSuite, NothingIsWrittenWithoutTheOption) {
 }
 
 TEST(CanopenSuite, CasesHaveIdentitiesOfTheirOwn) {
-  std::set<std::string> ids;
-  for (const CanopenCase& each : canopen_cases()) {
-    EXPECT_TRUE(ids.insert(each.identity.id).second) << each.identity.id;
-  }
-  EXPECT_GE(ids.size(), 100U);
+  expect_identities(canopen_cases(), 100);
 }
 
 TEST(CanopenSuite, ABusWithoutANodeIsUnreachable) {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "emulated_receiver.h"
+#include "suite_verdicts.h"
 
 namespace rigwire::conform {
 namespace {
@@ -39,18 +40,6 @@ SuiteResult judge(Device& device, const UbxClaims& claims,
                   const std::vector<std::string>& wanted = {}) {
   device.device.claims = claims;
   return run_ubx_suite(device.device, {wanted, true, true});
-}
-
-std::vector<std::string> wrong_in(const SuiteResult& result) {
-  std::vector<std::string> wrong;
-  for (const CaseResult& each : result.cases) {
-    if (each.verdict == Verdict::fail || each.verdict == Verdict::lenient ||
-        each.verdict == Verdict::error) {
-      wrong.push_back(each.identity.id + " " + each.identity.title + ": expected " + each.expected +
-                      ", got " + each.got);
-    }
-  }
-  return wrong;
 }
 
 struct Receiver {
@@ -83,15 +72,12 @@ INSTANTIATE_TEST_SUITE_P(, UbxSuite,
                          [](const auto& receiver) { return std::string(receiver.param.name); });
 
 TEST(UbxCases, HaveIdentitiesOfTheirOwn) {
-  std::set<std::string> ids;
+  expect_identities(ubx_cases(), 250);
   for (const UbxCase& each : ubx_cases()) {
-    EXPECT_TRUE(ids.insert(each.identity.id).second) << each.identity.id;
-    EXPECT_FALSE(each.identity.source.empty()) << each.identity.id;
     for (const std::string_view needed : each.needs) {
       EXPECT_NE(ubx_message(needed), nullptr) << needed;
     }
   }
-  EXPECT_GT(ids.size(), 250U);
 }
 
 TEST(UbxCases, NothingIsWrittenWithoutTheOption) {

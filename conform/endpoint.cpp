@@ -89,7 +89,8 @@ std::string Endpoint::text() const {
 }
 
 bool Endpoint::local() const {
-  return kind != Kind::tcp || address.starts_with("127.") || address == "::1";
+  const bool internet = kind == Kind::tcp || kind == Kind::udp;
+  return !internet || address.starts_with("127.") || address == "::1";
 }
 
 std::optional<Endpoint> parse_endpoint(const std::string& text, const EndpointDefaults& defaults) {

@@ -36,6 +36,16 @@ void open_line(J1939Device& device) {
   static_cast<void>(trial.listen(milliseconds(300)));
 }
 
+/// "0, 128"
+template <class ByAddress>
+std::string addresses_text(const ByAddress& heard) {
+  std::string text;
+  for (const auto& [address, groups] : heard) {
+    text += (text.empty() ? "" : ", ") + std::to_string(address);
+  }
+  return text;
+}
+
 milliseconds rounded(double period_ms) {
   const double step = period_ms < 30 ? 1.0 : period_ms < 300 ? 10.0 : 50.0;
   return milliseconds(std::lround(step * std::round(period_ms / step)));
@@ -71,7 +81,7 @@ SuiteResult run_j1939_suite(J1939Device& device, const SuiteOptions& options) {
   return result;
 }
 
-J1939Claims survey_j1939(J1939Device& device) {
+J1939Claims survey_j1939(J1939Device& device, std::optional<std::uint8_t> address) {
   open_line(device);
   J1939Claims claims = device.claims;
   claims.periodic.clear();
@@ -97,8 +107,12 @@ J1939Claims survey_j1939(J1939Device& device) {
     }
     return frames;
   });
-  claims.address = most->first;
-  for (const auto& [pgn, times] : most->second) {
+  claims.address = address.value_or(most->first);
+  if (!heard.contains(claims.address)) {
+    throw Unreachable("address " + std::to_string(claims.address) + " says nothing in 6 s; found " +
+                      addresses_text(heard));
+  }
+  for (const auto& [pgn, times] : heard[claims.address]) {
     if (times.size() >= 3 && (pgn >> 8U & 0xFFU) >= 240U) {
       std::vector<double> gaps;
       for (std::size_t i = 1; i < times.size(); ++i) {

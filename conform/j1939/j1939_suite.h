@@ -4,6 +4,8 @@
 // annex of October 2020).
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "conform/j1939/j1939_trial.h"
@@ -16,8 +18,10 @@ namespace rigwire::conform {
 /// Throws Unreachable when the bus cannot be opened.
 [[nodiscard]] SuiteResult run_j1939_suite(J1939Device& device, const SuiteOptions& options);
 
-/// Of the node that says most: its groups with their periods, and those of the suite that it
-/// answers requests of. Throws Unreachable, also when nobody says anything.
-[[nodiscard]] J1939Claims survey_j1939(J1939Device& device);
+/// Of the node with that address, else of the one that says most: its groups with their periods,
+/// and those of the suite that it answers requests of. Throws Unreachable, also when it, or nobody,
+/// says anything.
+[[nodiscard]] J1939Claims survey_j1939(J1939Device& device,
+                                       std::optional<std::uint8_t> address = {});
 
 }  // namespace rigwire::conform

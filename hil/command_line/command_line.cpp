@@ -419,12 +419,13 @@ void declare(CLI::App& app, Parsed& parsed) {
       app.add_subcommand("conform", "Hold a device to its protocol's documents, case by case");
   ConformRequest& conform = parsed.conform;
   conform_app
-      ->add_option("suite", conform.suite, "modbus-tcp, modbus-rtu, nmea, ubx, canopen or j1939")
+      ->add_option("suite", conform.suite,
+                   "modbus-tcp, modbus-rtu, nmea, ubx, canopen, j1939, velodyne or gige-vision")
       ->required();
-  conform_app->add_option(
-      "endpoint", conform.endpoint,
-      "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], can:INTERFACE, slcan:PATH[@BITRATE], or "
-      "rig:RIG#DEVICE[@BAUD] of ours");
+  conform_app->add_option("endpoint", conform.endpoint,
+                          "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], can:INTERFACE, "
+                          "slcan:PATH[@BITRATE], udp:[ADDRESS:]PORT, or "
+                          "rig:RIG#DEVICE[@BAUD] of ours");
   conform_app->add_option("ids", conform.wanted,
                           "Cases, or the begin of some at a slash: modbus/6.3; all without");
   CLI::Option* listed =
@@ -440,6 +441,11 @@ void declare(CLI::App& app, Parsed& parsed) {
       ->add_option("--addresses", conform.addresses, "With --make-profile: those below are tried")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str()
+      ->needs(make);
+  conform_app
+      ->add_option("--address", conform.address,
+                   "With --make-profile of j1939: the node's address; without, who says most")
+      ->check(CLI::Range(0, 253))
       ->needs(make);
   conform_app->add_option("--listen", parsed.listen,
                           "To a device that speaks by itself: 10 s or another time");
@@ -807,8 +813,10 @@ int dispatch_conform(Parsed& parsed, Terminal terminal) {
   if (parsed.listen) {
     const auto listen = parse_duration(*parsed.listen);
     constexpr Duration kMost = std::chrono::hours{24};
-    if (!listen || *listen > kMost || parsed.conform.suite != "nmea") {
-      return usage(fmt::format("--listen: found \"{}\", allowed a time up to 24 h, with nmea",
+    const bool listens = parsed.conform.suite == "nmea" || parsed.conform.suite == "velodyne";
+    if (!listen || *listen > kMost || !listens) {
+      return usage(fmt::format("--listen: found \"{}\", allowed a time up to 24 h, with nmea or "
+                               "velodyne",
                                *parsed.listen),
                    terminal.err, "conform");
     }

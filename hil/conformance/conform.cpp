@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -11,11 +12,13 @@
 #include <stdexcept>
 
 #include "conform/canopen/canopen_suite.h"
+#include "conform/gige_vision/gige_vision_suite.h"
 #include "conform/j1939/j1939_suite.h"
 #include "conform/modbus/modbus_suite.h"
 #include "conform/nmea/nmea_suite.h"
 #include "conform/reports.h"
 #include "conform/ubx/ubx_suite.h"
+#include "conform/velodyne/velodyne_suite.h"
 #include "drivers/endpoints.h"
 #include "fields/visitor.h"
 #include "hil/conformance/profile_file.h"
@@ -59,10 +62,16 @@ Identities modbus_identities(bool tcp) {
   return identities_of(std::move(cases));
 }
 
+/// A device's place, and the run of a rig that has it.
+struct Place {
+  std::unique_ptr<RigProcess> rig;
+  std::string device;  ///< Of the rig.
+  Endpoint endpoint;
+};
+
 /// Asks a device, or listens to it. With `request.make_profile` prints its claims to `out`, and
 /// the result is empty.
-using Ask = SuiteResult (*)(const ConformRequest& request, const Endpoint& endpoint,
-                            std::ostream& out);
+using Ask = SuiteResult (*)(const ConformRequest& request, const Place& place, std::ostream& out);
 
 /// What is known of a suite before anybody is asked.
 struct Suite {
@@ -80,9 +89,9 @@ conform::SuiteOptions options_of(const ConformRequest& request) {
   return {request.wanted, request.writes, request.robustness};
 }
 
-SuiteResult ask_modbus(const ConformRequest& request, const Endpoint& endpoint, std::ostream& out) {
+SuiteResult ask_modbus(const ConformRequest& request, const Place& place, std::ostream& out) {
   conform::ModbusDevice device;
-  device.endpoint = endpoint;
+  device.endpoint = place.endpoint;
   if (request.make_profile) {
     out << profile_text(survey_modbus(device, request.addresses), request.endpoint);
     return {};
@@ -93,10 +102,10 @@ SuiteResult ask_modbus(const ConformRequest& request, const Endpoint& endpoint, 
   return result;
 }
 
-SuiteResult ask_nmea(const ConformRequest& request, const Endpoint& endpoint, std::ostream& out) {
+SuiteResult ask_nmea(const ConformRequest& request, const Place& place, std::ostream& out) {
   const conform::NmeaClaims claims =
       request.profile.empty() ? conform::NmeaClaims() : read_nmea_profile(request.profile);
-  const conform::NmeaLog log = conform::listen_nmea(endpoint, request.listen);
+  const conform::NmeaLog log = conform::listen_nmea(place.endpoint, request.listen);
   if (request.make_profile) {
     out << profile_text(survey_nmea(log), request.endpoint);
     return {};
@@ -106,9 +115,9 @@ SuiteResult ask_nmea(const ConformRequest& request, const Endpoint& endpoint, st
   return result;
 }
 
-SuiteResult ask_ubx(const ConformRequest& request, const Endpoint& endpoint, std::ostream& out) {
+SuiteResult ask_ubx(const ConformRequest& request, const Place& place, std::ostream& out) {
   conform::UbxDevice device;
-  device.open = [&endpoint] { return conform::open_bytes(endpoint); };
+  device.open = [&place] { return conform::open_bytes(place.endpoint); };
   if (request.make_profile) {
     out << profile_text(survey_ubx(device), request.endpoint);
     return {};
@@ -119,10 +128,9 @@ SuiteResult ask_ubx(const ConformRequest& request, const Endpoint& endpoint, std
   return result;
 }
 
-SuiteResult ask_canopen(const ConformRequest& request, const Endpoint& endpoint,
-                        std::ostream& out) {
+SuiteResult ask_canopen(const ConformRequest& request, const Place& place, std::ostream& out) {
   conform::CanopenDevice device;
-  device.open = [&endpoint] { return conform::open_can(endpoint); };
+  device.open = [&place] { return conform::open_can(place.endpoint); };
   if (request.make_profile) {
     out << profile_text(survey_canopen(device), request.endpoint);
     return {};
@@ -133,15 +141,52 @@ SuiteResult ask_canopen(const ConformRequest& request, const Endpoint& endpoint,
   return result;
 }
 
-SuiteResult ask_j1939(const ConformRequest& request, const Endpoint& endpoint, std::ostream& out) {
+SuiteResult ask_j1939(const ConformRequest& request, const Place& place, std::ostream& out) {
   conform::J1939Device device;
-  device.open = [&endpoint] { return conform::open_can(endpoint); };
+  device.open = [&place] { return conform::open_can(place.endpoint); };
   if (request.make_profile) {
-    out << profile_text(survey_j1939(device), request.endpoint);
+    out << profile_text(survey_j1939(device, request.address), request.endpoint);
     return {};
   }
   device.claims = read_j1939_profile(request.profile);
   SuiteResult result = run_j1939_suite(device, options_of(request));
+  result.profile_hash = hash_of(profile_text(device.claims, ""));
+  return result;
+}
+
+SuiteResult ask_velodyne(const ConformRequest& request, const Place& place, std::ostream& out) {
+  conform::VelodyneClaims claims =
+      request.profile.empty() ? conform::VelodyneClaims() : read_velodyne_profile(request.profile);
+  const std::string hash = hash_of(profile_text(claims, ""));
+  const auto port =
+      place.rig ? place.rig->replaced("devices." + place.device + ".position_port") : std::nullopt;
+  if (port && claims.position_port != 0) {
+    claims.position_port = static_cast<std::uint16_t>(std::stoul(*port));
+  }
+  const conform::VelodyneLog log = conform::listen_velodyne(place.endpoint, request.listen, claims);
+  if (request.make_profile) {
+    out << profile_text(survey_velodyne(log), request.endpoint);
+    return {};
+  }
+  SuiteResult result = run_velodyne_suite(log, claims, options_of(request));
+  result.profile_hash = hash;
+  return result;
+}
+
+SuiteResult ask_gige_vision(const ConformRequest& request, const Place& place, std::ostream& out) {
+  conform::GigeVisionDevice device;
+  device.camera = {place.endpoint.address, place.endpoint.port};
+  device.own_address = conform::own_address_towards(device.camera);
+  device.open = [&device] {
+    constexpr std::array<std::uint16_t, 3> kOfTheSystemsChoice{};
+    return conform::open_datagrams(device.own_address, kOfTheSystemsChoice);
+  };
+  if (request.make_profile) {
+    out << profile_text(survey_gige_vision(device), request.endpoint);
+    return {};
+  }
+  device.claims = read_gige_vision_profile(request.profile);
+  SuiteResult result = run_gige_vision_suite(device, options_of(request));
   result.profile_hash = hash_of(profile_text(device.claims, ""));
   return result;
 }
@@ -196,6 +241,22 @@ const std::vector<Suite>& suites() {
        true,
        [] { return identities_of(conform::j1939_cases()); },
        ask_j1939},
+      {"velodyne",
+       {Kind::udp},
+       "ports of this machine that it sends to",
+       {.port = 2368},
+       false,
+       false,
+       [] { return identities_of(conform::velodyne_cases()); },
+       ask_velodyne},
+      {"gige-vision",
+       {Kind::udp},
+       "a camera's address and port",
+       {.port = 3956},
+       true,
+       true,
+       [] { return identities_of(conform::gige_vision_cases()); },
+       ask_gige_vision},
   };
   return all;
 }
@@ -203,12 +264,6 @@ const std::vector<Suite>& suites() {
 const Suite& suite_of(const std::string& name) {
   return *std::ranges::find(suites(), name, &Suite::name);
 }
-
-/// A device's place, and the run of a rig that has it.
-struct Place {
-  std::unique_ptr<RigProcess> rig;
-  Endpoint endpoint;
-};
 
 /// Of a wire as run.json tells it: "tcp 127.0.0.1:1502", "slcan PATH +1", "udp 127.0.0.1:2368", or
 /// the path of a serial line with what stands behind it.
@@ -236,6 +291,7 @@ Place open_place(const ConformRequest& request) {
     const std::string device = where.substr(mark + 1, at - mark - 1);
     place.rig = std::make_unique<RigProcess>(where.substr(4, mark - 4));
     where = endpoint_of_wire(place.rig->wire(device), where.substr(at), device);
+    place.device = device;
   }
   const auto endpoint = conform::parse_endpoint(where, suite.defaults);
   if (!endpoint) {
@@ -243,7 +299,9 @@ Place open_place(const ConformRequest& request) {
            "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], can:INTERFACE, slcan:PATH[@BITRATE], "
            "udp:[ADDRESS:]PORT or rig:RIG#DEVICE");
   }
-  if (!endpoint->local() && !request.allow_remote) {
+  // Who listens to what is sent to this machine asks nobody beyond it.
+  const bool listens = endpoint->kind == Kind::udp && !suite.sends;
+  if (!listens && !endpoint->local() && !request.allow_remote) {
     refuse("endpoint", request.endpoint, "127.0.0.0/8 or ::1, others with --allow-remote");
   }
   if (std::ranges::find(suite.kinds, endpoint->kind) == suite.kinds.end()) {
@@ -389,6 +447,9 @@ int conform(const ConformRequest& request, std::ostream& out, std::ostream& err)
   if (request.profile.empty() && !request.make_profile && suite.needs_profile) {
     refuse("--profile", "", "a file; --make-profile asks the device for one");
   }
+  if (request.address && request.suite != "j1939") {
+    refuse("--address", std::to_string(*request.address), "with --make-profile of j1939");
+  }
   if (!suite.sends && (request.writes || request.robustness)) {
     refuse(request.writes ? "--writes" : "--robustness", request.suite,
            "a suite that sends something");
@@ -397,9 +458,16 @@ int conform(const ConformRequest& request, std::ostream& out, std::ostream& err)
   Place place;
   try {
     place = open_place(request);
-    results[0] = suite.ask(request, place.endpoint, out);
+    results[0] = suite.ask(request, place, out);
   } catch (const conform::Unreachable& lost) {
     throw drivers::EndpointError(lost.what());
+  }
+  constexpr double kNoticeable_s = 0.05;
+  if (const double slipped_s = place.rig ? place.rig->finish() : 0.0; slipped_s > kNoticeable_s) {
+    err << fmt::format(
+        "rigwire: the rig fell {:.1f} s behind the clock on this machine: its periods and "
+        "time-outs were longer, and may not be its devices'\n",
+        slipped_s);
   }
   if (request.make_profile) {
     return static_cast<int>(ExitCode::done);

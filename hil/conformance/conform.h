@@ -3,6 +3,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -22,9 +24,10 @@ struct ConformRequest {
   bool writes = false;
   bool robustness = false;
   bool allow_remote = false;
-  bool list = false;          ///< Print the cases that are wanted; ask nobody.
-  bool make_profile = false;  ///< Print what the device answers to as a profile.
-  unsigned addresses = 1000;  ///< With make_profile: those below are looked for.
+  bool list = false;                    ///< Print the cases that are wanted; ask nobody.
+  bool make_profile = false;            ///< Print what the device answers to as a profile.
+  unsigned addresses = 1000;            ///< With make_profile: those below are looked for.
+  std::optional<std::uint8_t> address;  ///< With make_profile of j1939: the node that is meant.
   std::chrono::nanoseconds listen = std::chrono::seconds{10};  ///< To who speaks by itself.
   std::string expectations;                                    ///< File of known deviations.
   std::string json;  ///< Files; empty: not written, "-": standard output.

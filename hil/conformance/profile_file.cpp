@@ -138,6 +138,43 @@ conform::CanopenClaims claims_of(const CanopenProfile& p) {
   return claims;
 }
 
+/// "0xA104 = 1", or "0xA104" for 1; nothing for an empty text.
+std::optional<conform::GigeRegister> register_in(const std::string& key, const std::string& text) {
+  if (text.empty()) {
+    return std::nullopt;
+  }
+  conform::GigeRegister made;
+  const char* const end = text.data() + text.size();
+  bool read = text.starts_with("0x");
+  const char* at = text.data() + (read ? 2 : 0);
+  const auto [after, error] = std::from_chars(at, end, made.address, 16);
+  read = read && error == std::errc() && made.address % 4 == 0;
+  if (read && after != end) {
+    constexpr std::string_view kIs = " = ";
+    const bool is = std::string_view(after, static_cast<std::size_t>(end - after)).starts_with(kIs);
+    const auto [behind, wrong] = std::from_chars(is ? after + kIs.size() : end, end, made.value);
+    read = is && wrong == std::errc() && behind == end;
+  }
+  if (!read) {
+    throw std::invalid_argument(key + ": found \"" + text +
+                                "\", allowed an address of whole words and a value, "
+                                "\"0xA104 = 1\"");
+  }
+  return made;
+}
+
+conform::GigeVisionClaims claims_of(const GigeVisionProfile& p) {
+  conform::GigeVisionClaims claims;
+  claims.start = register_in("acquisition_start", p.acquisition_start);
+  claims.stop = register_in("acquisition_stop", p.acquisition_stop);
+  if (const auto size = register_in("payload_size", p.payload_size)) {
+    claims.payload_size = size->address;
+  }
+  claims.answer_within = in_milliseconds(p.answer_within);
+  claims.patience = in_milliseconds(p.patience);
+  return claims;
+}
+
 constexpr std::uint32_t kGreatestGroup = 0x3FFFF;
 
 conform::J1939Claims claims_of(const J1939Profile& p) {
@@ -293,6 +330,55 @@ void validate(const J1939Profile& p) {
   static_cast<void>(claims_of(p));
 }
 
+void visit(fields::Visitor& v, VelodyneProfile& p) {
+  v.text("model", p.claims.model, "As its data sheet writes it: HDL-32E; empty = by its packets.");
+  v.text("return_mode", p.claims.return_mode, "strongest, last or dual; empty = not claimed.");
+  v.number("rotor_speed", p.claims.rotor_rpm, fields::in("rpm").stored_as("rpm").between(0, 1200),
+           "Speed that the rotor is set to; 0 = not claimed.");
+  v.integer("view_start", p.claims.view_start_deg, {0, 359}, "Begin of the view, degrees.");
+  v.integer("view_end", p.claims.view_end_deg, {0, 359},
+            "End of the view, degrees, included; from 0 to 359 all round.");
+  v.integer("position_port", p.claims.position_port, {0, 65535},
+            "UDP port that position packets are sent to; 0 = they are not listened to.");
+  v.text("pulse", p.claims.pulse,
+         "State of the pulse per second: absent, synchronizing or locked; empty = not claimed.");
+}
+
+void validate(const VelodyneProfile& p) {
+  const auto among = [](const char* key, const std::string& found,
+                        const std::vector<std::string>& allowed) {
+    std::string all;
+    for (const std::string& each : allowed) {
+      all += (all.empty() ? "" : ", ") + each;
+    }
+    if (!found.empty() && std::ranges::find(allowed, found) == allowed.end()) {
+      throw std::invalid_argument(fmt::format("{}: found \"{}\", allowed {}", key, found, all));
+    }
+  };
+  std::vector<std::string> models;
+  for (const protocols::velodyne::Model& model : protocols::velodyne::models()) {
+    if (std::ranges::find(models, model.name) == models.end()) {
+      models.emplace_back(model.name);
+    }
+  }
+  among("model", p.claims.model, models);
+  among("return_mode", p.claims.return_mode, {"strongest", "last", "dual"});
+  among("pulse", p.claims.pulse, {"absent", "synchronizing", "locked"});
+}
+
+void visit(fields::Visitor& v, GigeVisionProfile& p) {
+  v.text("acquisition_start", p.acquisition_start,
+         "Register that begins the acquisition, and what is written there: \"0xA104 = 1\".");
+  v.text("acquisition_stop", p.acquisition_stop, "Register that ends it, likewise.");
+  v.text("payload_size", p.payload_size, "Register of the bytes of a block: \"0xA03C\".");
+  v.duration("answer_within", p.answer_within, kSoon, "99 of 100 answers come within this.");
+  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+}
+
+void validate(const GigeVisionProfile& p) {
+  static_cast<void>(claims_of(p));
+}
+
 conform::ModbusClaims read_modbus_profile(const std::string& file) {
   return claims_of(read_structure<ModbusProfile>(file));
 }
@@ -317,6 +403,14 @@ conform::J1939Claims read_j1939_profile(const std::string& file) {
   return claims_of(read_structure<J1939Profile>(file));
 }
 
+conform::VelodyneClaims read_velodyne_profile(const std::string& file) {
+  return read_structure<VelodyneProfile>(file).claims;
+}
+
+conform::GigeVisionClaims read_gige_vision_profile(const std::string& file) {
+  return claims_of(read_structure<GigeVisionProfile>(file));
+}
+
 std::string hash_of(const std::string& profile_text) {
   return fmt::format("{:016x}", fnv1a(profile_text));
 }
@@ -331,6 +425,28 @@ std::string profile_text(const conform::UbxClaims& claims, const std::string& en
          fmt::format("messages: [{}]\nrate: {} Hz\nanswer_within: {} ms\npatience: {} ms\n",
                      names_text(claims.messages, 11), claims.rate_hz, claims.answer_within.count(),
                      claims.patience.count());
+}
+
+std::string profile_text(const conform::VelodyneClaims& claims, const std::string& endpoint) {
+  return begin_of(endpoint) +
+         fmt::format(
+             "model: \"{}\"\nreturn_mode: \"{}\"\nrotor_speed: {} rpm\nview_start: {}\n"
+             "view_end: {}\nposition_port: {}\npulse: \"{}\"\n",
+             claims.model, claims.return_mode, claims.rotor_rpm, claims.view_start_deg,
+             claims.view_end_deg, claims.position_port, claims.pulse);
+}
+
+std::string profile_text(const conform::GigeVisionClaims& claims, const std::string& endpoint) {
+  const auto line = [](const char* key, const std::optional<conform::GigeRegister>& each) {
+    return each ? fmt::format("{}: \"0x{:04X} = {}\"\n", key, each->address, each->value) : "";
+  };
+  std::string text = begin_of(endpoint) + line("acquisition_start", claims.start) +
+                     line("acquisition_stop", claims.stop);
+  if (claims.payload_size) {
+    text += fmt::format("payload_size: \"0x{:04X}\"\n", *claims.payload_size);
+  }
+  return text + fmt::format("answer_within: {} ms\npatience: {} ms\n", claims.answer_within.count(),
+                            claims.patience.count());
 }
 
 std::string profile_text(const conform::CanopenClaims& claims, const std::string& endpoint) {

@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "conform/canopen/canopen_suite.h"
+#include "conform/gige_vision/gige_vision_suite.h"
 #include "conform/j1939/j1939_suite.h"
 #include "conform/modbus/modbus_claims.h"
 #include "conform/nmea/nmea_suite.h"
 #include "conform/ubx/ubx_suite.h"
+#include "conform/velodyne/velodyne_log.h"
 #include "fields/rules.h"
 
 namespace rigwire::hil {
@@ -72,12 +74,34 @@ void visit(fields::Visitor& v, J1939Profile& p);
 /// Throws std::invalid_argument for what names no group or no period.
 void validate(const J1939Profile& p);
 
+/// Of a spinning lidar.
+struct VelodyneProfile {
+  conform::VelodyneClaims claims;
+};
+void visit(fields::Visitor& v, VelodyneProfile& p);
+/// Throws std::invalid_argument for a model, a return mode or a pulse's state that there is not.
+void validate(const VelodyneProfile& p);
+
+/// Of a camera on GigE Vision. Registers are texts: "0xA104", with what is written "0xA104 = 1".
+struct GigeVisionProfile {
+  std::string acquisition_start;
+  std::string acquisition_stop;
+  std::string payload_size;
+  std::chrono::nanoseconds answer_within = std::chrono::milliseconds{100};
+  std::chrono::nanoseconds patience = std::chrono::milliseconds{500};
+};
+void visit(fields::Visitor& v, GigeVisionProfile& p);
+/// Throws std::invalid_argument for what names no register.
+void validate(const GigeVisionProfile& p);
+
 /// The claims of a file. Throws ConfigurationError.
 [[nodiscard]] conform::ModbusClaims read_modbus_profile(const std::string& file);
 [[nodiscard]] conform::NmeaClaims read_nmea_profile(const std::string& file);
 [[nodiscard]] conform::UbxClaims read_ubx_profile(const std::string& file);
 [[nodiscard]] conform::J1939Claims read_j1939_profile(const std::string& file);
 [[nodiscard]] conform::CanopenClaims read_canopen_profile(const std::string& file);
+[[nodiscard]] conform::VelodyneClaims read_velodyne_profile(const std::string& file);
+[[nodiscard]] conform::GigeVisionClaims read_gige_vision_profile(const std::string& file);
 /// Of the file as it would be written anew.
 [[nodiscard]] std::string hash_of(const std::string& profile_text);
 
@@ -91,6 +115,10 @@ void validate(const J1939Profile& p);
 [[nodiscard]] std::string profile_text(const conform::J1939Claims& claims,
                                        const std::string& endpoint);
 [[nodiscard]] std::string profile_text(const conform::CanopenClaims& claims,
+                                       const std::string& endpoint);
+[[nodiscard]] std::string profile_text(const conform::VelodyneClaims& claims,
+                                       const std::string& endpoint);
+[[nodiscard]] std::string profile_text(const conform::GigeVisionClaims& claims,
                                        const std::string& endpoint);
 
 }  // namespace rigwire::hil

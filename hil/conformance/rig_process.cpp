@@ -36,6 +36,11 @@ fs::path made_folder() {
   return pattern;
 }
 
+std::string content_of(const fs::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 /// Throws drivers::EndpointError when it ends before, or the patience is over.
 std::string line_of(ReadyPipe& pipe) {
   const auto end = steady_clock::now() + kReadyPatience;
@@ -60,8 +65,16 @@ RigProcess::RigProcess(const std::string& rig, const std::vector<std::string>& s
     : folder_(made_folder()) {
   const fs::path log = folder_ / "log";
   ReadyPipe pipe;
-  std::vector<std::string> words{"/proc/self/exe", "run",      rig,    "--isolated",
-                                 folder_ / "run",  "--status", "none", "--ready-fd",
+  std::vector<std::string> words{"/proc/self/exe",
+                                 "run",
+                                 rig,
+                                 "--isolated",
+                                 folder_ / "run",
+                                 "--status",
+                                 "none",
+                                 "--report",
+                                 report(),
+                                 "--ready-fd",
                                  std::to_string(pipe.written())};
   for (const std::string& set : sets) {
     words.insert(words.end(), {"--set", set});
@@ -72,11 +85,12 @@ RigProcess::RigProcess(const std::string& rig, const std::vector<std::string>& s
       return drivers::become(words);
     });
     pipe.handed_over();
-    wires_ = nlohmann::json::parse(line_of(pipe)).at("devices");
+    const auto told = nlohmann::json::parse(line_of(pipe));
+    wires_ = told.value("devices", wires_);
+    replaced_ = told.value("replaced", replaced_);
   } catch (const drivers::EndpointError& error) {
     process_.reset();
-    std::ifstream file(log);
-    const std::string said{std::istreambuf_iterator<char>(file), {}};
+    const std::string said = content_of(log);
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
     throw drivers::EndpointError("rig " + rig + ": " + error.what() +
@@ -88,6 +102,17 @@ RigProcess::~RigProcess() {
   static_cast<void>(process_->end(SIGINT, kEndPatience));
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
+}
+
+double RigProcess::finish() {
+  static_cast<void>(process_->end(SIGINT, kEndPatience));
+  const auto told = nlohmann::json::parse(content_of(report()), nullptr, false);
+  return told.is_object() ? told.value("slipped_s", 0.0) : 0.0;
+}
+
+std::optional<std::string> RigProcess::replaced(const std::string& key) const {
+  const auto found = replaced_.find(key);
+  return found == replaced_.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::string RigProcess::wire(const std::string& device) const {

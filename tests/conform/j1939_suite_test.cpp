@@ -7,11 +7,11 @@
 
 #include <functional>
 #include <memory>
-#include <set>
 #include <string>
 
 #include "emulated_node.h"
 #include "emulators/engine_controller/engine_controller.h"
+#include "suite_verdicts.h"
 
 namespace rigwire::conform {
 namespace {
@@ -59,18 +59,6 @@ J1939Claims claims() {
   return survey_j1939(device);
 }
 
-std::vector<std::string> wrong_in(const SuiteResult& result) {
-  std::vector<std::string> wrong;
-  for (const CaseResult& each : result.cases) {
-    if (each.verdict == Verdict::fail || each.verdict == Verdict::lenient ||
-        each.verdict == Verdict::error) {
-      wrong.push_back(each.identity.id + " " + each.identity.title + ": expected " + each.expected +
-                      ", got " + each.got);
-    }
-  }
-  return wrong;
-}
-
 TEST(J1939Suite, OurEngineControllerIsRight) {
   const J1939Claims asked = claims();
   EXPECT_EQ(asked.address, 0);
@@ -82,11 +70,14 @@ TEST(J1939Suite, OurEngineControllerIsRight) {
 }
 
 TEST(J1939Suite, CasesHaveIdentitiesOfTheirOwn) {
-  std::set<std::string> ids;
-  for (const J1939Case& each : j1939_cases()) {
-    EXPECT_TRUE(ids.insert(each.identity.id).second) << each.identity.id;
-  }
-  EXPECT_GE(ids.size(), 80U);
+  expect_identities(j1939_cases(), 80);
+}
+
+TEST(J1939Suite, AProfileIsOfTheAddressThatIsMeant) {
+  J1939Device device;
+  device.open = [] { return std::make_unique<EmulatedEngine>(); };
+  EXPECT_EQ(survey_j1939(device, std::uint8_t{0}).address, 0);
+  EXPECT_THROW(static_cast<void>(survey_j1939(device, std::uint8_t{5})), Unreachable);
 }
 
 TEST(J1939Suite, ASilentBusIsUnreachable) {

@@ -10,34 +10,12 @@
 #include "protocols/gige_vision/gvcp.h"
 #include "protocols/j1939/identifier.h"
 #include "protocols/j1939/message.h"
-#include "protocols/modbus/constants.h"
+#include "protocols/modbus/function_names.h"
 
 namespace rigwire::hil {
 namespace {
 
-using protocols::modbus::Function;
-
-/// What follows the function code (V1.1b3, section 6).
-enum class Range { none, one, many };
-struct FunctionRow {
-  Function function;
-  std::string_view name;
-  std::string_view items;
-  Range range;
-};
-constexpr std::array<FunctionRow, 12> kFunctions{
-    {{Function::read_coils, "read", "coils", Range::many},
-     {Function::read_discrete_inputs, "read", "discrete inputs", Range::many},
-     {Function::read_holding_registers, "read", "holding registers", Range::many},
-     {Function::read_input_registers, "read", "input registers", Range::many},
-     {Function::write_coil, "write", "coil", Range::one},
-     {Function::write_register, "write", "register", Range::one},
-     {Function::write_coils, "write", "coils", Range::many},
-     {Function::write_registers, "write", "registers", Range::many},
-     {Function::report_server_id, "report server id", "", Range::none},
-     {Function::mask_write_register, "mask write", "register", Range::one},
-     {Function::read_write_registers, "read and write", "registers", Range::many},
-     {Function::encapsulated_interface, "read device identification", "", Range::none}}};
+using protocols::modbus::Addressed;
 
 /// Of UBX messages (u-blox receiver description, section "UBX class IDs").
 struct ClassRow {
@@ -59,24 +37,24 @@ constexpr std::array<ClassRow, 13> kUbxClasses{{{0x01, "NAV"},
                                                 {0x27, "SEC"}}};
 
 std::string modbus_text(std::span<const std::uint8_t> pdu) {
-  const auto row = std::find_if(kFunctions.begin(), kFunctions.end(), [&](const FunctionRow& r) {
-    return static_cast<std::uint8_t>(r.function) == pdu[0];
-  });
-  if (row == kFunctions.end()) {
+  const auto* const row = protocols::modbus::find_function_name(pdu[0]);
+  if (row == nullptr) {
     return fmt::format("function {}", pdu[0]);
   }
   const auto word = [&](std::size_t at) {
     return static_cast<unsigned>(pdu[at] << 8 | pdu[at + 1]);
   };
-  const std::size_t needed = row->range == Range::many ? 5 : row->range == Range::one ? 3 : 1;
-  if (row->range == Range::none || pdu.size() < needed) {
-    return fmt::format("{}{}{}", row->name, row->items.empty() ? "" : " ", row->items);
+  const std::size_t needed = row->addressed == Addressed::many  ? 5
+                             : row->addressed == Addressed::one ? 3
+                                                                : 1;
+  if (row->addressed == Addressed::nothing || pdu.size() < needed) {
+    return fmt::format("{}{}{}", row->verb, row->items.empty() ? "" : " ", row->items);
   }
   const unsigned first = word(1);
-  if (row->range == Range::one || word(3) <= 1) {
-    return fmt::format("{} {} {}", row->name, row->items, first);
+  if (row->addressed == Addressed::one || word(3) <= 1) {
+    return fmt::format("{} {} {}", row->verb, row->items, first);
   }
-  return fmt::format("{} {} {} .. {}", row->name, row->items, first, first + word(3) - 1);
+  return fmt::format("{} {} {} .. {}", row->verb, row->items, first, first + word(3) - 1);
 }
 
 }  // namespace

@@ -1,0 +1,18 @@
+// What the fields of a sentence are called, for people who read one.
+//
+// Source: u-blox M8 receiver description, UBX-13003221 R28, sections 31.2.1 to 31.2.17; fields that
+// came with version 4.10 (GSA and GSV: system and signal, RMC: status) are there too.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+namespace rigwire::protocols::nmea {
+
+/// Of a sentence of that type ("GGA"), `index` counted from 0 behind the address. Empty for a type
+/// or a field that is not in the table.
+/// `count`: fields of the sentence, as GSV has a last one behind one to four satellites.
+[[nodiscard]] std::string_view field_name(std::string_view type, std::size_t index,
+                                          std::size_t count);
+
+}  // namespace rigwire::protocols::nmea

@@ -66,6 +66,16 @@ SceneModel::SceneModel(const sim::SceneContents& contents, std::int64_t start_un
     add_terrain(terrain);
   }
   add_things(contents);
+  // Laid out before the run, so that who comes in the middle of it costs copying alone.
+  for (std::size_t terrain = 0; terrain < terrains_.size(); ++terrain) {
+    for (std::size_t row = 0; row < terrains_[terrain].rows; ++row) {
+      for (std::size_t column = 0; column < terrains_[terrain].columns; ++column) {
+        terrains_[terrain].texts.push_back(text_of(tile_entity(terrain, row, column)));
+      }
+    }
+  }
+  std::ranges::transform(entities_, std::back_inserter(texts_),
+                         [this](const Entity& entity) { return text_of(entity); });
 }
 
 void SceneModel::add_terrain(const sim::SceneContents::Terrain& terrain) {
@@ -226,42 +236,48 @@ std::shared_ptr<const std::string> SceneModel::asset(std::string_view uri) const
   return tile(terrain, row, column);
 }
 
-std::string SceneModel::update(std::span<const Entity* const> entities) const {
-  std::string text = R"({"deletions":[],"entities":[)";
-  for (const Entity* entity : entities) {
-    const Eigen::Vector3d p = entity->X_FE.translation();
-    const Eigen::Quaterniond q(entity->X_FE.linear());
-    fmt::format_to(
-        std::back_inserter(text),
-        R"({}{{"timestamp":{},"frame_id":{},"id":{},"lifetime":{{"sec":0,"nsec":0}},)"
-        R"("frame_locked":true,"metadata":[{{"key":"label","value":{}}}],"arrows":[],"cubes":[],)"
-        R"("spheres":[],"cylinders":[],"lines":[],"triangles":[],"texts":[],"models":[{{"pose":)"
-        R"({{"position":{{"x":{:.9g},"y":{:.9g},"z":{:.9g}}},)"
-        R"("orientation":{{"x":{:.9g},"y":{:.9g},"z":{:.9g},"w":{:.9g}}}}},)"
-        R"("scale":{{"x":{:.9g},"y":{:.9g},"z":{:.9g}}},"color":{{"r":1,"g":1,"b":1,"a":1}},)"
-        R"("override_color":false,"url":"{}","media_type":"model/gltf-binary","data":""}}]}})",
-        text.ends_with('[') ? "" : ",", stamp_, Json(entity->frame).dump(), Json(entity->id).dump(),
-        Json(entity->label).dump(), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w(), entity->scale,
-        entity->scale, entity->scale, entity->model);
+std::string SceneModel::text_of(const Entity& entity) const {
+  const Eigen::Vector3d p = entity.X_FE.translation();
+  const Eigen::Quaterniond q(entity.X_FE.linear());
+  return fmt::format(
+      R"({{"timestamp":{},"frame_id":{},"id":{},"lifetime":{{"sec":0,"nsec":0}},)"
+      R"("frame_locked":true,"metadata":[{{"key":"label","value":{}}}],"arrows":[],"cubes":[],)"
+      R"("spheres":[],"cylinders":[],"lines":[],"triangles":[],"texts":[],"models":[{{"pose":)"
+      R"({{"position":{{"x":{:.9g},"y":{:.9g},"z":{:.9g}}},)"
+      R"("orientation":{{"x":{:.9g},"y":{:.9g},"z":{:.9g},"w":{:.9g}}}}},)"
+      R"("scale":{{"x":{:.9g},"y":{:.9g},"z":{:.9g}}},"color":{{"r":1,"g":1,"b":1,"a":1}},)"
+      R"("override_color":false,"url":"{}","media_type":"model/gltf-binary","data":""}}]}})",
+      stamp_, Json(entity.frame).dump(), Json(entity.id).dump(), Json(entity.label).dump(), p.x(),
+      p.y(), p.z(), q.x(), q.y(), q.z(), q.w(), entity.scale, entity.scale, entity.scale,
+      entity.model);
+}
+
+std::string SceneModel::update(std::span<const std::string* const> entities) {
+  constexpr std::string_view kBegin = R"({"deletions":[],"entities":[)";
+  constexpr std::string_view kEnd = "]}";
+  std::size_t size = kBegin.size() + kEnd.size();
+  for (const std::string* const entity : entities) {
+    size += entity->size() + 1;
   }
-  text += "]}";
+  std::string text;
+  text.reserve(size);
+  text += kBegin;
+  for (const std::string* const entity : entities) {
+    text += entity == entities.front() ? "" : ",";
+    text += *entity;
+  }
+  text += kEnd;
   return text;
 }
 
 std::string SceneModel::whole() const {
-  std::vector<Entity> tiles;
-  for (std::size_t terrain = 0; terrain < terrains_.size(); ++terrain) {
-    for (std::size_t row = 0; row < terrains_[terrain].rows; ++row) {
-      for (std::size_t column = 0; column < terrains_[terrain].columns; ++column) {
-        tiles.push_back(tile_entity(terrain, row, column));
-      }
+  std::vector<const std::string*> all;
+  for (const Terrain& terrain : terrains_) {
+    for (const std::string& tile : terrain.texts) {
+      all.push_back(&tile);
     }
   }
-  std::vector<const Entity*> all;
-  for (const Entity& tile : tiles) {
-    all.push_back(&tile);
-  }
-  for (const Entity& entity : entities_) {
+  for (const std::string& entity : texts_) {
     all.push_back(&entity);
   }
   return update(all);
@@ -328,7 +344,7 @@ void SceneModel::show_displaced(const sim::DisplacedThing& thing,
 
 std::string SceneModel::apply(const ViewChange& change) {
   std::vector<std::size_t> changed;
-  std::vector<Entity> tiles;
+  std::vector<const std::string*> told;
   if (change.dug && !terrains_.empty()) {
     Terrain& ground = terrains_.front();
     const sim::NodeRectangle& dug = *change.dug;
@@ -344,8 +360,10 @@ std::string SceneModel::apply(const ViewChange& change) {
          row <= std::min(dug.last_row / kTileCells, ground.rows - 1); ++row) {
       for (std::size_t column = first(dug.first_column);
            column <= std::min(dug.last_column / kTileCells, ground.columns - 1); ++column) {
-        ++ground.versions[row * ground.columns + column];
-        tiles.push_back(tile_entity(0, row, column));
+        const std::size_t tile = row * ground.columns + column;
+        ++ground.versions[tile];
+        ground.texts[tile] = text_of(tile_entity(0, row, column));
+        told.push_back(&ground.texts[tile]);
       }
     }
   }
@@ -358,12 +376,10 @@ std::string SceneModel::apply(const ViewChange& change) {
   for (const sim::DisplacedThing& thing : change.displaced) {
     show_displaced(thing, changed);
   }
-  std::vector<const Entity*> told;
-  for (const Entity& tile : tiles) {
-    told.push_back(&tile);
-  }
+  texts_.resize(entities_.size());
   for (const std::size_t entity : changed) {
-    told.push_back(&entities_[entity]);
+    texts_[entity] = text_of(entities_[entity]);
+    told.push_back(&texts_[entity]);
   }
   return update(told);
 }

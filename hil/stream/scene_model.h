@@ -30,7 +30,7 @@ class SceneModel {
   /// `start_unix_ns`: of the stamps.
   SceneModel(const sim::SceneContents& contents, std::int64_t start_unix_ns);
 
-  /// foxglove.SceneUpdate with everything as it is now.
+  /// foxglove.SceneUpdate with everything as it is now: copied together, laid out it was before.
   [[nodiscard]] std::string whole() const;
   /// Takes over what has changed; a SceneUpdate of that alone.
   [[nodiscard]] std::string apply(const ViewChange& change);
@@ -57,18 +57,21 @@ class SceneModel {
     std::size_t columns = 0;  ///< Tiles.
     std::size_t rows = 0;
     std::vector<unsigned> versions;
+    std::vector<std::string> texts;  ///< Of the tiles, as they are told.
   };
   void add_terrain(const sim::SceneContents::Terrain& terrain);
   void add_things(const sim::SceneContents& contents);
   [[nodiscard]] Entity tile_entity(std::size_t terrain, std::size_t row, std::size_t column) const;
   [[nodiscard]] std::shared_ptr<const std::string> tile(std::size_t terrain, std::size_t row,
                                                         std::size_t column) const;
-  [[nodiscard]] std::string update(std::span<const Entity* const> entities) const;
+  [[nodiscard]] std::string text_of(const Entity& entity) const;
+  [[nodiscard]] static std::string update(std::span<const std::string* const> entities);
   void show_displaced(const sim::DisplacedThing& thing, std::vector<std::size_t>& changed);
 
   std::string stamp_;
   std::vector<Terrain> terrains_;
   std::vector<Entity> entities_;
+  std::vector<std::string> texts_;  ///< Of the entities, as they are told.
   std::map<std::string, std::shared_ptr<const std::string>, std::less<>> models_;
   std::map<std::size_t, std::vector<std::size_t>> of_body_;          ///< Entities of loose bodies.
   std::map<std::uint32_t, std::size_t> of_instance_;                 ///< Entities of fixed things.

@@ -3,12 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <tuple>
 #include <utility>
 #include <variant>
 
+#include "emulators/valve_driver/valve_driver.h"
 #include "fields/chosen.h"
+#include "hil/configuration/document.h"
+#include "hil/configuration/outline.h"
+#include "hil/configuration/reader.h"
 #include "hil/configuration/schema.h"
+#include "hil/devices/gige_camera.h"
+#include "hil/devices/valve_driver.h"
+#include "hil/devices/velodyne.h"
 #include "hil/record/run_events.h"
+#include "sim/camera/camera_kinds.h"
+#include "sim/camera/lens.h"
 
 namespace rigwire::hil {
 namespace {
@@ -32,6 +43,87 @@ std::vector<StreamService> services_of(std::variant<Each...>* /*command*/) {
                         {}}...};
 }
 
+/// Where a device sits on the machine, by its keys, whatever its type; nothing: it does not.
+std::optional<MountConfiguration> mount_of(const OutlineNode& keys) {
+  const auto found = std::ranges::find(keys.children, "mount", &OutlineNode::key);
+  if (found == keys.children.end()) {
+    return std::nullopt;
+  }
+  Problems problems;
+  Origins origins;
+  const Value document = parse_request(print_yaml(*found, origins), "mount", problems);
+  MountConfiguration mount;
+  Reader(document, problems, origins).read(fields::Part::of(mount));
+  problems.throw_if_any();
+  return mount;
+}
+
+bool has_key(const OutlineNode& keys, std::string_view key) {
+  return std::ranges::any_of(keys.children, [&](const OutlineNode& child) {
+    return child.key == key || (child.key == "sensor" && has_key(child, key));
+  });
+}
+
+/// Of a camera, across and down the middle of its picture, rad.
+std::pair<double, double> view_of(const sim::CameraKind& kind) {
+  if (const auto* const round = std::get_if<sim::AllRoundCameraParameters>(&kind)) {
+    constexpr double kRound = 2.0 * std::numbers::pi;
+    return {kRound, kRound * round->height_px / round->width_px};
+  }
+  const sim::CameraParameters& optics = sim::optics_of(kind);
+  const double width = optics.sensor.width_px;
+  const double height = optics.sensor.height_px;
+  const sim::Lens lens(optics.lens, optics.sensor.pixel_pitch_m, optics.sensor.width_px,
+                       optics.sensor.height_px);
+  const auto between = [&](const Eigen::Vector2d& one, const Eigen::Vector2d& other) {
+    const auto from = lens.direction(one);
+    const auto to = lens.direction(other);
+    // What the lens leaves black has no direction.
+    return from && to ? std::acos(std::clamp(from->dot(*to), -1.0, 1.0))
+                      : 2.0 * optics.lens.image_circle_rad;
+  };
+  return {between({0.0, 0.5 * height}, {width - 1.0, 0.5 * height}),
+          between({0.5 * width, 0.0}, {0.5 * width, height - 1.0})};
+}
+
+std::vector<ShownSensor> shown_sensors(const RigConfiguration& configuration) {
+  std::vector<ShownSensor> sensors;
+  for (const auto& [name, device] : configuration.devices) {
+    const auto copy = device->copy();
+    const OutlineNode keys = outline_part(fields::Part::of(*copy));
+    const auto mount = mount_of(keys);
+    const auto* const lidar = fields::as<VelodyneConfiguration>(device);
+    const auto* const camera = fields::as<GigeCameraConfiguration>(device);
+    const bool inertial = has_key(keys, "gyroscope");
+    if (!mount || !(lidar || camera || inertial || device->is_receiver())) {
+      continue;
+    }
+    ShownSensor& shown = sensors.emplace_back();
+    shown.name = name;
+    shown.kind = camera ? "camera" : lidar ? "lidar" : device->is_receiver() ? "receiver" : "imu";
+    shown.link = mount->link;
+    shown.X_LS = sensor_mount(configuration.machine, *mount).X_LS;
+    if (camera != nullptr) {
+      std::tie(shown.horizontal_rad, shown.vertical_rad) = view_of(camera->sensor);
+    }
+  }
+  return sensors;
+}
+
+/// The valve drivers of a line, or the one with a line of its own, of that name.
+std::vector<NamedUnit> named_units(const RigConfiguration& configuration, const std::string& wire) {
+  std::vector<NamedUnit> units;
+  for (const auto& [name, device] : configuration.devices) {
+    const auto* const valves = fields::as<ValveDriverConfiguration>(device);
+    if (valves != nullptr && wire == (valves->line.empty() ? name : valves->line)) {
+      const auto settings = driver_settings(*valves);
+      units.push_back({name, valves->unit, settings.amplifier.sections,
+                       emulators::ValveDriver(settings).map()});
+    }
+  }
+  return units;
+}
+
 }  // namespace
 
 StreamedRun streamed_run(const RigConfiguration& configuration, const std::string& session) {
@@ -42,7 +134,9 @@ StreamedRun streamed_run(const RigConfiguration& configuration, const std::strin
       make_local_frame(configuration.origin),
       recorded_clouds(configuration).lidars,
       {},
-      [&configuration](const std::string& bus) { return bus_messages(configuration, bus); }};
+      [&configuration](const std::string& bus) { return bus_messages(configuration, bus); },
+      [&configuration](const std::string& wire) { return named_units(configuration, wire); },
+      shown_sensors(configuration)};
   for (const auto& [name, device] : configuration.devices) {
     if (device->is_receiver()) {
       run.receivers.insert(name);

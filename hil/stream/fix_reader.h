@@ -5,23 +5,20 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <vector>
 
+#include "hil/stream/receiver_messages.h"
 #include "sim/local_frame.h"
 
 namespace rigwire::hil {
 
 class FixReader {
  public:
-  /// Most bytes that are kept of a message that is not whole yet.
-  static constexpr std::size_t kMostKept = 4096;
-
   using Use = std::function<void(const sim::GeodeticPoint& place)>;
   /// The next piece of the stream. A message without fix makes none; height is above the ellipsoid.
   void take(std::span<const std::uint8_t> bytes, const Use& use);
 
  private:
-  std::vector<std::uint8_t> kept_;
+  ReceiverMessages messages_;
 };
 
 }  // namespace rigwire::hil

@@ -4,19 +4,25 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <iterator>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 #include <utility>
 
-#include "hil/configuration/plain_text.h"
 #include "hil/executive/background_thread.h"
-#include "hil/record/byte_place.h"
+#include "hil/record/base64.h"
 #include "hil/stream/fix_reader.h"
+#include "hil/stream/picture_reader.h"
+#include "hil/stream/receiver_messages.h"
+#include "hil/stream/sky_reader.h"
+#include "hil/stream/wire_reading.h"
 #include "protocols/can/frame_text.h"
+#include "protocols/gige_vision/gvcp.h"
 
 namespace rigwire::hil {
 namespace {
@@ -25,8 +31,8 @@ using Json = nlohmann::ordered_json;
 
 /// Between two changes of the scene, simulated.
 constexpr Duration kScenePeriod = std::chrono::milliseconds{200};
-/// Of a message on a wire so many bytes are shown.
-constexpr std::size_t kShownBytes = 64;
+/// Of wall time, between two accounts of a Modbus line's registers.
+constexpr std::chrono::milliseconds kRegistersPeriod{200};
 
 std::string hexadecimal(std::span<const std::uint8_t> bytes) {
   std::string text;
@@ -36,40 +42,83 @@ std::string hexadecimal(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-/// What it is, in words, as far as bytes alone tell.
-std::string words_of(WireKind kind, std::span<const std::uint8_t> bytes) {
-  if (kind == WireKind::serial) {
-    if (!bytes.empty() && bytes.front() == '$') {
-      const auto end = std::ranges::find(bytes, std::uint8_t{'\r'});
-      return printable(std::string(bytes.begin(), end));
+Json json_of(std::span<const WireField> fields) {
+  Json list = Json::array();
+  for (const WireField& field : fields) {
+    if (field.from < kShownBytes) {
+      list.push_back({{"name", field.name},
+                      {"value", field.value},
+                      {"from", field.from},
+                      {"bytes", field.bytes}});
     }
-    return serial_place(bytes, 0);
   }
-  return datagram_place(bytes, 0);
+  return list;
 }
 
-/// A frame as a message on its bus: its name, and what its signals say.
+/// What the signals of a frame say, by message, as numbers to plot.
 Json signals_of(const protocols::can::Frame& frame,
-                std::span<const protocols::can::OwnedMessage> messages, std::string& text) {
+                std::span<const protocols::can::OwnedMessage> messages) {
   Json signals = Json::object();
-  const auto message = std::ranges::find_if(messages, [&](const auto& known) {
-    return known.id == frame.id && known.extended == frame.extended;
-  });
-  if (message == messages.end() || frame.remote) {
-    return signals;
-  }
-  text += " " + message->name;
-  const auto payload = std::span(frame.data).first(frame.length);
-  for (std::size_t i = 0; i < message->signals.size(); ++i) {
-    const protocols::can::Reading reading = protocols::can::get(*message, i, payload);
-    if (reading.valid()) {
-      const auto& signal = message->signals[i];
-      signals[message->name][signal.name] = reading.value;
-      text += fmt::format(" {}={:.6g} {}", signal.name, reading.value, signal.unit);
+  if (const auto* const message = message_of(frame, messages)) {
+    for (std::size_t i = 0; i < message->signals.size(); ++i) {
+      const auto reading = protocols::can::get(*message, i, frame.payload());
+      if (reading.valid()) {
+        signals[message->name][message->signals[i].name] = reading.value;
+      }
     }
   }
   return signals;
 }
+
+/// {"sensors": [{name, kind, frame, position_m, orientation, horizontal_rad, vertical_rad}]}
+std::string sensors_message(std::span<const ShownSensor> sensors) {
+  Json list = Json::array();
+  for (const ShownSensor& sensor : sensors) {
+    const Eigen::Vector3d p = sensor.X_LS.translation();
+    const Eigen::Quaterniond q(sensor.X_LS.linear());
+    list.push_back({{"name", sensor.name},
+                    {"kind", sensor.kind},
+                    {"frame", sensor.link},
+                    {"position", {{"x", p.x()}, {"y", p.y()}, {"z", p.z()}}},
+                    {"orientation", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}},
+                    {"horizontal_rad", sensor.horizontal_rad},
+                    {"vertical_rad", sensor.vertical_rad}});
+  }
+  return Json{{"sensors", std::move(list)}}.dump();
+}
+
+std::string satellites_message(std::string_view from, std::span<const SkySatellite> sky) {
+  Json list = Json::array();
+  for (const SkySatellite& one : sky) {
+    list.push_back({{"name", one.name},
+                    {"azimuth_deg", one.azimuth_deg},
+                    {"elevation_deg", one.elevation_deg},
+                    {"cn0_dbhz", one.cn0_dbhz},
+                    {"used", one.used}});
+  }
+  return Json{{"from", from}, {"satellites", std::move(list)}}.dump();
+}
+
+/// foxglove.RawImage, with what was sent.
+std::string picture_message(const std::string& stamp, const std::string& frame,
+                            const SmallPicture& picture) {
+  const std::size_t bands = picture.pixels.size() / picture.width / picture.height;
+  std::string text = fmt::format(
+      R"({{"timestamp":{},"frame_id":{},"width":{},"height":{},"encoding":"{}","step":{},)"
+      R"("block":{},"sent_width":{},"sent_height":{},"data":")",
+      stamp, Json(frame).dump(), picture.width, picture.height, picture.encoding,
+      picture.width * bands, picture.block, picture.sent_width, picture.sent_height);
+  append_base64(text, picture.pixels);
+  text += "\"}";
+  return text;
+}
+
+constexpr const char* kObjectSchema = R"({"type":"object"})";
+constexpr const char* kImageSchema =
+    R"({"type":"object","properties":{"timestamp":{"type":"object","properties":)"
+    R"({"sec":{"type":"integer"},"nsec":{"type":"integer"}}},"frame_id":{"type":"string"},)"
+    R"("width":{"type":"integer"},"height":{"type":"integer"},"encoding":{"type":"string"},)"
+    R"("step":{"type":"integer"},"data":{"type":"string","contentEncoding":"base64"}}})";
 
 }  // namespace
 
@@ -126,6 +175,15 @@ class RunStream::Truth final : public TruthObserver {
   TruthMessages messages_;
 };
 
+/// Of what passes on a wire, for the decoder.
+struct RunStream::Piece {
+  Wire* wire = nullptr;
+  SimTime at{};
+  bool of_client = false;
+  std::uint64_t end = 0;  ///< Number of a connection; port of the device that sent a datagram.
+  std::vector<std::uint8_t> bytes;
+};
+
 /// What is made of the bytes of one wire, on the decoder's thread.
 class RunStream::Wire final : public WireTap {
  public:
@@ -133,8 +191,24 @@ class RunStream::Wire final : public WireTap {
     Viewers& viewers = stream.viewers_;
     const auto rows = channel_rows();
     const auto row = [&](TruthTrack track) { return rows[static_cast<std::size_t>(track)]; };
-    messages_ =
-        viewers.add({"/wire/" + name, "json", "rigwire.WireMessage", R"({"type":"object"})", 256});
+    messages_ = viewers.add({"/wire/" + name, "json", "rigwire.WireMessage", kObjectSchema, 256});
+    name_ = name;
+    if (auto units = stream.run_.units(name); !units.empty()) {
+      modbus_.emplace(kind == WireKind::serial ? ModbusReader::Line::rtu : ModbusReader::Line::tcp,
+                      std::move(units));
+      registers_text_ = modbus_->registers();
+      registers_ =
+          viewers.add({"/registers/" + name, "json", "rigwire.Registers", kObjectSchema, 1, [this] {
+                         const std::scoped_lock lock(mutex_);
+                         return registers_text_;
+                       }});
+    }
+    const auto sensor = std::ranges::find(stream.run_.sensors, name, &ShownSensor::name);
+    if (kind == WireKind::ethernet && sensor != stream.run_.sensors.end() &&
+        sensor->kind == "camera") {
+      pictures_ = viewers.add({"/camera/" + name, "json", "foxglove.RawImage", kImageSchema, 1});
+      picture_reader_.emplace();
+    }
     const auto lidar = std::ranges::find(stream.run_.lidars, name, &RecordedLidar::name);
     if (lidar != stream.run_.lidars.end()) {
       const ChannelRow points = row(TruthTrack::points);
@@ -149,7 +223,8 @@ class RunStream::Wire final : public WireTap {
       const ChannelRow location = row(TruthTrack::location);
       fixes_ =
           viewers.add({"/fix/" + name, "json", std::string(location.schema_name), location.schema});
-      name_ = name;
+      satellites_ =
+          viewers.add({"/satellites/" + name, "json", "rigwire.Satellites", kObjectSchema, 4});
     }
   }
 
@@ -158,16 +233,21 @@ class RunStream::Wire final : public WireTap {
   void received(const WirePiece& piece) override;
   void lost(SimTime /*at*/) override {}
 
-  /// On the decoder's thread.
-  void decode(SimTime at, bool of_client, std::span<const std::uint8_t> bytes);
+  // On the decoder's thread.
+
+  /// Whether its registers are to be told anew.
+  [[nodiscard]] bool decode(const Piece& piece);
+  void tell_registers(SimTime at);
 
  private:
+  void decode_message(const Piece& piece);
   void hear(SimTime at, bool of_client, const WirePiece& piece);
   [[nodiscard]] bool wanted() const {
     const auto is = [this](const std::optional<Viewers::ChannelId>& channel) {
       return channel && stream_.viewers_.wanted(*channel);
     };
-    return is(messages_) || is(points_) || is(fixes_);
+    return is(messages_) || is(points_) || is(fixes_) || is(satellites_) || is(pictures_) ||
+           is(registers_);
   }
 
   RunStream& stream_;
@@ -176,9 +256,19 @@ class RunStream::Wire final : public WireTap {
   std::optional<Viewers::ChannelId> messages_;
   std::optional<Viewers::ChannelId> points_;
   std::optional<Viewers::ChannelId> fixes_;
+  std::optional<Viewers::ChannelId> satellites_;
+  std::optional<Viewers::ChannelId> pictures_;
+  std::optional<Viewers::ChannelId> registers_;
   std::optional<LidarClouds> clouds_;
   std::vector<protocols::can::OwnedMessage> can_messages_;
+  ReceiverMessages of_receiver_;  ///< To be shown.
+  ReceiverMessages of_client_;
   FixReader fix_reader_;
+  SkyReader sky_reader_;
+  std::optional<PictureReader> picture_reader_;
+  std::optional<ModbusReader> modbus_;
+  std::mutex mutex_;
+  std::string registers_text_;  ///< As they were told last; for who comes later.
 };
 
 class RunStream::Decoder {
@@ -198,15 +288,15 @@ class RunStream::Decoder {
   Decoder(const Decoder&) = delete;
   Decoder& operator=(const Decoder&) = delete;
 
-  void put(Wire& wire, SimTime at, bool of_client, std::span<const std::uint8_t> bytes) {
+  void put(Piece piece) {
     {
       const std::scoped_lock lock(mutex_);
-      if (bytes_ + bytes.size() > kQueueBytes) {
+      if (bytes_ + piece.bytes.size() > kQueueBytes) {
         ++not_shown_;
         return;
       }
-      bytes_ += bytes.size();
-      queue_.push_back({&wire, at, of_client, {bytes.begin(), bytes.end()}});
+      bytes_ += piece.bytes.size();
+      queue_.push_back(std::move(piece));
       if (queue_.size() > 1) {
         return;
       }
@@ -227,30 +317,42 @@ class RunStream::Decoder {
   }
 
  private:
-  struct Entry {
-    Wire* wire = nullptr;
-    SimTime at{};
-    bool of_client = false;
-    std::vector<std::uint8_t> bytes;
-  };
-
   void work() {
     yield_to_the_loop();
-    std::deque<Entry> taken;
+    std::deque<Piece> taken;
+    std::set<Wire*> untold;  // whose registers have changed since they were told
+    SimTime last{};
     while (true) {
+      bool came = true;
       {
         std::unique_lock lock(mutex_);
-        came_.wait(lock, [this] { return over_ || !queue_.empty(); });
+        const auto ready = [this] { return over_ || !queue_.empty(); };
+        if (untold.empty()) {
+          came_.wait(lock, ready);
+        } else {
+          came = came_.wait_for(lock, kRegistersPeriod, ready);
+        }
         if (over_) {
           return;
         }
         taken.swap(queue_);
         bytes_ = 0;
       }
-      for (const Entry& entry : taken) {
-        entry.wire->decode(entry.at, entry.of_client, entry.bytes);
+      for (const Piece& piece : taken) {
+        if (piece.wire->decode(piece)) {
+          untold.insert(piece.wire);
+        }
+        last = piece.at;
       }
       taken.clear();
+      if (const auto now = std::chrono::steady_clock::now();
+          !came || now >= registers_told_ + kRegistersPeriod) {
+        registers_told_ = now;
+        for (Wire* const wire : untold) {
+          wire->tell_registers(last);
+        }
+        untold.clear();
+      }
     }
   }
 
@@ -260,10 +362,11 @@ class RunStream::Decoder {
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   mutable std::mutex mutex_;
   std::condition_variable came_;
-  std::deque<Entry> queue_;
+  std::deque<Piece> queue_;
   std::size_t bytes_ = 0;
   std::uint64_t not_shown_ = 0;
   bool over_ = false;
+  std::chrono::steady_clock::time_point registers_told_;
   std::thread thread_;
 };
 
@@ -275,13 +378,19 @@ void RunStream::Wire::hear(SimTime at, bool of_client, const WirePiece& piece) {
       [&](const auto& kind) {
         using Kind = std::remove_cvref_t<decltype(kind)>;
         if constexpr (requires { kind.bytes; }) {
+          std::uint64_t end = 0;
+          if constexpr (requires { kind.connection; }) {
+            end = kind.connection;
+          } else if constexpr (requires { kind.device; }) {
+            end = kind.device.port;
+          }
           if (!kind.bytes.empty()) {
-            stream_.decoder_->put(*this, at, of_client, kind.bytes);
+            stream_.decoder_->put(
+                {this, at, of_client, end, {kind.bytes.begin(), kind.bytes.end()}});
           }
         } else if constexpr (std::is_same_v<Kind, protocols::can::Frame>) {
           const std::string text = protocols::can::frame_text(kind);
-          stream_.decoder_->put(*this, at, of_client,
-                                {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+          stream_.decoder_->put({this, at, of_client, 0, {text.begin(), text.end()}});
         }
       },
       piece);
@@ -294,42 +403,92 @@ void RunStream::Wire::received(const WirePiece& piece) {
   }
 }
 
-void RunStream::Wire::decode(SimTime at, bool of_client, std::span<const std::uint8_t> bytes) {
+bool RunStream::Wire::decode(const Piece& piece) {
   const auto send = [&](const std::optional<Viewers::ChannelId>& channel, std::string text) {
-    stream_.decoder_->send(*channel, at, std::move(text));
+    stream_.decoder_->send(*channel, piece.at, std::move(text));
   };
-  if (points_ && !of_client && stream_.viewers_.wanted(*points_)) {
-    if (const std::string* cloud = clouds_->take(at, bytes, stream_.run_.start_unix_ns)) {
+  const auto wanted = [&](const std::optional<Viewers::ChannelId>& channel) {
+    return channel && !piece.of_client && stream_.viewers_.wanted(*channel);
+  };
+  if (wanted(points_)) {
+    if (const std::string* cloud =
+            clouds_->take(piece.at, piece.bytes, stream_.run_.start_unix_ns)) {
       send(points_, *cloud);
     }
   }
-  if (fixes_ && !of_client && stream_.viewers_.wanted(*fixes_)) {
-    fix_reader_.take(bytes, [&](const sim::GeodeticPoint& place) {
+  if (wanted(fixes_)) {
+    fix_reader_.take(piece.bytes, [&](const sim::GeodeticPoint& place) {
       const Eigen::Vector3d p_W = stream_.run_.frame.to_world(place);
-      send(fixes_, location_message(timestamp(stream_.run_.start_unix_ns, at), name_, place,
+      send(fixes_, location_message(timestamp(stream_.run_.start_unix_ns, piece.at), name_, place,
                                     fmt::format(R"(,"position_m":[{:.4f},{:.4f},{:.4f}])", p_W.x(),
                                                 p_W.y(), p_W.z())));
     });
   }
-  if (stream_.viewers_.wanted(*messages_)) {
-    Json message{{"time_ns", at.time_since_epoch().count()},
-                 {"from", of_client ? "client" : "device"}};
-    std::string text;
-    if (kind_ == WireKind::can) {
-      text.assign(bytes.begin(), bytes.end());
-    }
-    const auto frame = protocols::can::parse_frame_text(text);
-    if (frame) {
-      message["size"] = frame->length;
-      message["signals"] = signals_of(*frame, can_messages_, text);
-      message["text"] = text;
-    } else {
-      message["size"] = bytes.size();
-      message["bytes"] = hexadecimal(bytes);
-      message["text"] = words_of(kind_, bytes);
-    }
-    send(messages_, message.dump(-1, ' ', false, Json::error_handler_t::replace));
+  if (wanted(satellites_)) {
+    sky_reader_.take(piece.bytes, [&](std::string_view message, std::span<const SkySatellite> sky) {
+      send(satellites_, satellites_message(message, sky));
+    });
   }
+  // At its other port the camera answers questions.
+  if (wanted(pictures_) && piece.end != protocols::gige_vision::kGvcpPort) {
+    if (const SmallPicture* picture = picture_reader_->take(piece.at, piece.bytes)) {
+      send(pictures_,
+           picture_message(timestamp(stream_.run_.start_unix_ns, piece.at), name_, *picture));
+    }
+  }
+  if (stream_.viewers_.wanted(*messages_) || (registers_ && stream_.viewers_.wanted(*registers_))) {
+    decode_message(piece);
+  }
+  return registers_ && stream_.viewers_.wanted(*registers_);
+}
+
+void RunStream::Wire::decode_message(const Piece& piece) {
+  const auto tell = [&](std::span<const std::uint8_t> bytes, const WireReading& reading,
+                        Json signals) {
+    if (!stream_.viewers_.wanted(*messages_)) {
+      return;
+    }
+    Json message{{"time_ns", piece.at.time_since_epoch().count()},
+                 {"from", piece.of_client ? "client" : "device"},
+                 {"size", bytes.size()},
+                 {"bytes", hexadecimal(bytes)},
+                 {"text", reading.text},
+                 {"fields", json_of(reading.fields)}};
+    if (!signals.is_null()) {
+      message["signals"] = std::move(signals);
+    }
+    stream_.decoder_->send(*messages_, piece.at,
+                           message.dump(-1, ' ', false, Json::error_handler_t::replace));
+  };
+  if (kind_ == WireKind::can) {
+    const auto frame =
+        protocols::can::parse_frame_text(std::string(piece.bytes.begin(), piece.bytes.end()));
+    if (frame) {
+      tell(frame->payload(), read_frame(*frame, can_messages_), signals_of(*frame, can_messages_));
+    }
+  } else if (modbus_) {
+    modbus_->take(piece.at, piece.end, piece.of_client, piece.bytes,
+                  [&](std::span<const std::uint8_t> bytes, const WireReading& reading) {
+                    tell(bytes, reading, {});
+                  });
+  } else if (fixes_) {
+    (piece.of_client ? of_client_ : of_receiver_)
+        .take(piece.bytes, [&](std::span<const std::uint8_t> bytes, const auto& /*content*/) {
+          tell(bytes, read_serial(bytes), {});
+        });
+  } else {
+    tell(piece.bytes,
+         kind_ == WireKind::serial ? read_serial(piece.bytes) : read_datagram(piece.bytes), {});
+  }
+}
+
+void RunStream::Wire::tell_registers(SimTime at) {
+  const std::string text = modbus_->registers();
+  {
+    const std::scoped_lock lock(mutex_);
+    registers_text_ = text;
+  }
+  stream_.decoder_->send(*registers_, at, text);
 }
 
 RunStream::RunStream(boost::asio::io_context& io, StreamedRun run)
@@ -346,6 +505,8 @@ RunStream::RunStream(boost::asio::io_context& io, StreamedRun run)
   }
   scene_channel_ = viewers_.add({"/scene", "json", "foxglove.SceneUpdate", SceneModel::schema(), 64,
                                  [this] { return scene_ ? scene_->whole() : std::string(); }});
+  viewers_.add({"/sensors", "json", "rigwire.Sensors", kObjectSchema, 1,
+                [text = sensors_message(run_.sensors)] { return text; }});
   viewers_.on_asset([this](std::string_view uri) { return scene_ ? scene_->asset(uri) : nullptr; });
 }
 

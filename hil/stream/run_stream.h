@@ -10,7 +10,15 @@
 //                                         packets (hil/record/lidar_clouds.h)
 //   /fix/NAME                             foxglove.LocationFix: what a receiver's bytes say, with
 //                                         `position_m` in the world
+//   /satellites/NAME                      rigwire.Satellites: likewise, where each stands
+//                                         (hil/stream/sky_reader.h)
+//   /camera/NAME                          foxglove.RawImage: pictures that a client takes, from
+//                                         their packets, smaller (hil/stream/picture_reader.h)
+//   /sensors                              rigwire.Sensors: where each sits; once
 //   /wire/NAME                            rigwire.WireMessage: what passes on a wire
+//                                         (hil/stream/wire_reading.h)
+//   /registers/NAME                       rigwire.Registers: what is known of those of a Modbus
+//                                         line (hil/stream/modbus_reader.h)
 //
 // Threads. The truth is told ahead of the wires and waits for its instant. Point clouds and
 // messages of wires are decoded by a thread of the stream's own, which is nicer than the run: the
@@ -32,6 +40,7 @@
 #include "hil/record/lidar_clouds.h"
 #include "hil/record/run_events.h"
 #include "hil/record/truth_messages.h"
+#include "hil/stream/modbus_reader.h"
 #include "hil/stream/scene_model.h"
 #include "hil/stream/viewers.h"
 #include "hil/wires/wire_tap.h"
@@ -43,6 +52,17 @@
 
 namespace rigwire::hil {
 
+/// A sensor on the machine, as people see where it sits.
+struct ShownSensor {
+  std::string name;
+  std::string kind;  ///< "receiver", "imu", "camera", "lidar".
+  std::string link;
+  Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
+  // Of a camera, from the middle of one edge of the picture to the other's.
+  double horizontal_rad = 0.0;
+  double vertical_rad = 0.0;
+};
+
 struct StreamedRun {
   std::string name;
   std::string session;  ///< Another one for each run.
@@ -52,6 +72,9 @@ struct StreamedRun {
   std::set<std::string> receivers;  ///< Names of satellite receivers.
   /// Of the messages on the CAN bus of that name; asked once, before the run.
   std::function<std::vector<protocols::can::OwnedMessage>(const std::string& bus)> messages;
+  /// Those of the Modbus line, or of the device with a line of its own, of that name; likewise.
+  std::function<std::vector<NamedUnit>(const std::string& wire)> units;
+  std::vector<ShownSensor> sensors;
 };
 
 class RunStream final : public EventSource {
@@ -97,6 +120,7 @@ class RunStream final : public EventSource {
   class Ahead;
   class Truth;
   class Wire;
+  struct Piece;
   class Decoder;
 
   StreamedRun run_;

@@ -1,0 +1,53 @@
+// The satellites that a receiver tells of, as a client reads them from its bytes: u-blox's NAV-SAT,
+// else NMEA's GSV (where they stand) and GSA (which are used).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hil/stream/receiver_messages.h"
+#include "protocols/nmea/readers.h"
+
+namespace rigwire::hil {
+
+struct SkySatellite {
+  std::string name;  ///< "GPS 12": the system, and the message's own number.
+  int azimuth_deg = 0;
+  int elevation_deg = 0;
+  int cn0_dbhz = 0;  ///< 0: nothing is received of it.
+  bool used = false;
+};
+
+class SkyReader {
+ public:
+  using Use = std::function<void(std::string_view message, std::span<const SkySatellite> sky)>;
+  /// The next piece of the stream. The whole sky is told with each NAV-SAT, and with the last GSV
+  /// of each talker. Satellites of which no direction is known are left out.
+  void take(std::span<const std::uint8_t> bytes, const Use& use);
+
+ private:
+  void take(const protocols::ubx::FrameView& frame, const Use& use);
+  void take(const protocols::nmea::SentenceView& sentence, const Use& use);
+  void take_view(std::string_view talker, const protocols::nmea::Gsv& view, const Use& use);
+  void take_used(std::string_view talker, const protocols::nmea::Gsa& used);
+
+  struct Talker {
+    std::vector<protocols::nmea::GsvSatellite> coming;  ///< Pages that have come.
+    std::vector<protocols::nmea::GsvSatellite> told;
+  };
+
+  ReceiverMessages messages_;
+  std::map<std::string, Talker, std::less<>> talkers_;
+  /// System, 0 where the sentences do not tell it, and number.
+  std::set<std::pair<int, int>> used_;
+  bool viewed_since_used_ = true;  ///< The next GSA begins an epoch.
+};
+
+}  // namespace rigwire::hil

@@ -21,7 +21,7 @@ struct Row {
   std::string_view package;  ///< Debian's; empty: of the page itself.
 };
 
-constexpr std::array<Row, 14> kRows{{
+constexpr std::array<Row, 17> kRows{{
     {"/", "index.html", ""},
     {"/page/style.css", "style.css", ""},
     {"/page/main.js", "main.js", ""},
@@ -32,6 +32,9 @@ constexpr std::array<Row, 14> kRows{{
     {"/page/plots.js", "plots.js", ""},
     {"/page/events.js", "events.js", ""},
     {"/page/hands.js", "hands.js", ""},
+    {"/page/registers.js", "registers.js", ""},
+    {"/page/sensors.js", "sensors.js", ""},
+    {"/page/timeline.js", "timeline.js", ""},
     {"/lib/three/build/three.module.js", "three/build/three.module.js", "libjs-three"},
     {"/lib/three/examples/jsm/controls/OrbitControls.js",
      "three/examples/jsm/controls/OrbitControls.js", "libjs-three"},

@@ -5,8 +5,10 @@ const MOST_ROWS = 500;
 const RETRY_MS = 1000;
 
 export class Events {
-  constructor(run, rows, plots) {
+  // `tell(event)` is called for each, too.
+  constructor(run, rows, plots, tell) {
     this.run = run;
+    this.tell = tell;
     this.rows = rows;
     this.plots = plots;
     this.last = 0;
@@ -28,7 +30,8 @@ export class Events {
     }
   }
 
-  add({ time_ns, kind, level, where, text }) {
+  add(event) {
+    const { time_ns, kind, level, where, text } = event;
     const time_s = time_ns * 1e-9;
     const bad = level === "warning" || level === "error";
     const row = this.rows.insertRow(0);
@@ -42,6 +45,7 @@ export class Events {
     row.cells[0].className = "number";
     for (const value of [kind, where, text]) row.insertCell().textContent = value;
     this.plots.mark(time_s, `${kind} ${where}`, bad);
+    this.tell(event, bad);
     while (this.rows.rows.length > MOST_ROWS) this.rows.deleteRow(-1);
   }
 }

@@ -1,10 +1,14 @@
 // Hands on the run: time, faults, sticks, recordings. Everything goes through the control surface.
 
-const FAULTS_MS = 1000;
+const FAULTS_MS = 500;
 
 export class Hands {
-  constructor(run, parts) {
+  // `faultsAre(faults, time_s)` is told of all of them, from time to time.
+  constructor(run, parts, faultsAre) {
     this.run = run;
+    this.faultsAre = faultsAre;
+    this.held = new Map(); // set point -> what a hand, of whatever client, gave it
+    this.commands = new Map(); // set point -> what the client on the wire asks for
     this.parts = parts;
     this.paused = false;
     this.recording = null;
@@ -97,6 +101,7 @@ export class Hands {
     } catch {
       return; // said elsewhere: the connection is lost
     }
+    this.faultsAre(reply.faults, reply.time_ns * 1e-9);
     const open = reply.faults.filter(({ end_ns }) => end_ns === null || end_ns > reply.time_ns);
     // Buttons stay as long as their faults do, under the mouse and with the focus.
     for (const item of [...this.parts.faults.children]) {
@@ -116,13 +121,15 @@ export class Hands {
     const undo = document.createElement("button");
     undo.type = "button";
     undo.textContent = "End";
-    undo.addEventListener("click", async () => {
-      await this.ask("fault_clear", { id });
-      this.listFaults();
-    });
+    undo.addEventListener("click", () => this.endFault(id));
     item.append(document.createElement("span"), undo);
     this.parts.faults.append(item);
     return item;
+  }
+
+  async endFault(id) {
+    await this.ask("fault_clear", { id });
+    this.listFaults();
   }
 
   // Sticks -----------------------------------------------------------------------------------------
@@ -145,21 +152,61 @@ export class Hands {
       } else {
         input.size = 6;
       }
-      input.addEventListener("change", async () => {
-        const value = input.type === "range" ? Number(input.value) : input.value;
-        if (await this.ask("set", { set: { [name]: value } })) shown.textContent = String(value);
+      input.addEventListener("change", () => {
+        this.ask("set", { set: { [name]: input.type === "range" ? Number(input.value) : input.value } });
       });
       const release = document.createElement("button");
       release.type = "button";
       release.textContent = "Let go";
-      release.addEventListener("click", async () => {
-        if (await this.ask("set", { set: { [name]: null } })) {
-          shown.textContent = "";
-          if (input.type === "range") input.value = 0;
-        }
-      });
+      release.addEventListener("click", () => this.ask("set", { set: { [name]: null } }));
+      row.dataset.stick = name;
       row.append(label, input, shown, release);
       return row;
     }));
+    for (const name of this.held.keys()) this.showStick(name);
+  }
+
+  // What happened to a set point, by whatever hand: the page's, `ctl`'s, a program's.
+  note({ kind, where, text }) {
+    if (kind === "set") this.held.set(where, text.slice(text.lastIndexOf(" ") + 1));
+    else if (kind === "released") this.held.delete(where);
+    else return;
+    this.showStick(where);
+    this.hearCommands();
+  }
+
+  showStick(name) {
+    const row = this.parts.sticks.querySelector(`[data-stick="${CSS.escape(name)}"]`);
+    if (!row) return; // of a device
+    const held = this.held.get(name);
+    const input = row.querySelector("input");
+    row.classList.toggle("held", held !== undefined);
+    if (document.activeElement !== input || held === undefined) input.value = held ?? (input.type === "range" ? 0 : "");
+    const asks = this.commands.get(name);
+    row.querySelector("output").textContent =
+      held === undefined ? "" : `hand ${held}${asks === undefined ? "" : `, client ${asks}`}`;
+  }
+
+  // What the client goes on asking for is told from its bytes, while a hand holds a set point.
+  hearCommands() {
+    const wanted = this.held.size > 0;
+    for (const topic of wanted ? this.run.topics.keys() : []) {
+      if (topic.startsWith("/registers/") && !this.ends?.has(topic)) {
+        this.ends ??= new Map();
+        this.ends.set(topic, this.run.listen(topic, ({ registers }) => this.showCommands(registers)));
+      }
+    }
+    if (!wanted) {
+      for (const end of this.ends?.values() ?? []) end();
+      this.ends = null;
+    }
+  }
+
+  showCommands(registers) {
+    for (const { signal, section, value, unit } of registers) {
+      if (signal !== "command" || value === undefined) continue;
+      this.commands.set(section, `${Number(value.toPrecision(4))} ${unit}`);
+      this.showStick(section);
+    }
   }
 }

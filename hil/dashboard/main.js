@@ -3,7 +3,10 @@
 import { Events } from "/page/events.js";
 import { Hands } from "/page/hands.js";
 import { Plots } from "/page/plots.js";
+import { Registers } from "/page/registers.js";
 import { Run } from "/page/run.js";
+import { Sensors } from "/page/sensors.js";
+import { TimeLine } from "/page/timeline.js";
 import { View } from "/page/view.js";
 import { Wires } from "/page/wires.js";
 
@@ -41,8 +44,13 @@ run.listen("/status", (status) => {
   before = { now, time_ns: status.time_ns };
 });
 
-const wires = new Wires(run, part("devices"), part("wire"), part("messages"), (...numbers) =>
-  plots.take(...numbers));
+const wires = new Wires(run, part("devices"), part("wire"), part("messages"), {
+  head: part("message-head"),
+  bytes: part("message-bytes"),
+  fields: part("message-fields"),
+  follow: part("message-follow"),
+}, (...numbers) => plots.take(...numbers));
+const registers = new Registers(run, part("registers"), part("register-rows"));
 const hands = new Hands(run, {
   pause: part("pause"),
   step: part("step"),
@@ -57,6 +65,10 @@ const hands = new Hands(run, {
   faults: part("faults"),
   sticks: part("sticks"),
   answer: part("answer"),
+}, (faults, now_s) => {
+  timeLine.showFaults(faults, now_s);
+  plots.band(faults.filter(({ begin_ns }) => begin_ns !== null).map(({ begin_ns, end_ns }) => (
+    { begin: begin_ns * 1e-9, end: end_ns === null ? null : end_ns * 1e-9 })));
 });
 const plots = new Plots(run, {
   canvas: part("chart"),
@@ -68,13 +80,23 @@ const plots = new Plots(run, {
   span: part("plot-span"),
   csv: part("plot-csv"),
 });
-const events = new Events(run, part("event-rows"), plots);
+const timeLine = new TimeLine(run, part("time-line"), part("time-line-words"), plots, (id) => hands.endFault(id));
+const events = new Events(run, part("event-rows"), plots, (event, bad) => {
+  timeLine.add(event.time_ns * 1e-9, event.kind, event.where, event.text, bad);
+  hands.note(event);
+});
 let view = null;
+let sensors = null;
 try {
   view = new View(run, part("scene"), part("camera"), part("colour"), part("view-figures"));
+  sensors = new Sensors(run, view, {
+    axes: part("show-axes"),
+    cameras: part("show-cameras"),
+    satellites: part("show-satellites"),
+  }, part("pictures"));
 } catch (error) {
   part("view-figures").textContent = `no 3D view: ${error.message}`;
 }
 
 // For whoever looks at the page with a program, and with the browser's own console.
-window.rigwire = { run, view, wires, events, hands, plots };
+window.rigwire = { run, view, sensors, wires, registers, events, timeLine, hands, plots };

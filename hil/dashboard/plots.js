@@ -1,5 +1,5 @@
 // Any number of the truth, of the fixes that clients read and of the wires' figures, on simulated
-// time, with what happened as lines across. The wheel changes the span, Hold keeps the picture, CSV
+// time, with what happened as lines across and faults as bands. The wheel changes the span, Hold keeps the picture, CSV
 // has what is kept.
 
 import { Chart, registerables } from "/lib/chart.js/chart.mjs";
@@ -25,6 +25,7 @@ export class Plots {
     this.lines = new Map(); // quantity -> samples {x, y}
     this.known = new Set();
     this.marks = []; // {x, text, bad}
+    this.bands = []; // {begin, end, text}; end null: it acts on
     this.heldAt_s = null; // the picture's end, while it is held
     this.span_s = 30;
     this.last_s = 0;
@@ -65,7 +66,11 @@ export class Plots {
           y: {},
         },
       },
-      plugins: [{ id: "marks", afterDatasetsDraw: (chart) => this.drawMarks(chart) }],
+      plugins: [{
+        id: "marks",
+        beforeDatasetsDraw: (chart) => this.drawBands(chart),
+        afterDatasetsDraw: (chart) => this.drawMarks(chart),
+      }],
     });
     this.colourAxes();
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.colourAxes());
@@ -104,6 +109,11 @@ export class Plots {
     if (this.marks.length > MOST_MARKS) this.marks.shift();
   }
 
+  // Of what acts from one simulated time to another.
+  band(bands) {
+    this.bands = bands;
+  }
+
   // Keeps the picture that ends there; null: goes on with the run.
   hold(end_s) {
     this.heldAt_s = end_s;
@@ -115,6 +125,21 @@ export class Plots {
   // Keeps the picture with that instant in its middle.
   showAt(time_s) {
     this.hold(time_s + 0.5 * this.span_s);
+  }
+
+  drawBands({ ctx, chartArea: area, scales: { x: axis } }) {
+    ctx.save();
+    ctx.fillStyle = getComputedStyle(document.body).getPropertyValue("--band");
+    this.bandsDrawn = 0;
+    for (const { begin, end } of this.bands) {
+      const from = Math.max(begin, axis.min);
+      const to = Math.min(end ?? Infinity, this.last_s, axis.max);
+      if (from >= to) continue;
+      const left = axis.getPixelForValue(from);
+      ctx.fillRect(left, area.top, axis.getPixelForValue(to) - left, area.bottom - area.top);
+      ++this.bandsDrawn;
+    }
+    ctx.restore();
   }
 
   drawMarks({ ctx, chartArea: area, scales: { x: axis } }) {

@@ -47,6 +47,8 @@ export class View {
     this.fixes = new Map(); // device -> {spheres, latest}
     this.count = { frames: 0, transforms: 0, clouds: 0, points: 0 };
     this.pathAt = null;
+    this.beforeDrawing = () => {}; // of what is drawn here by others
+    this.figuresOf = () => "";
     this.setUp();
     run.listen("/scene", (update) => this.updateScene(update));
     run.listen("/tf", (message) => this.move(message.transforms));
@@ -90,6 +92,8 @@ export class View {
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     this.cameraChoice.addEventListener("change", () => this.aim());
     new ResizeObserver(() => this.resize()).observe(this.canvas);
+    this.inSight = true; // scrolled away it is not drawn
+    new IntersectionObserver(([{ isIntersecting }]) => (this.inSight = isIntersecting)).observe(this.canvas);
     this.resize();
   }
 
@@ -398,7 +402,9 @@ export class View {
 
   draw() {
     requestAnimationFrame(() => this.draw());
+    if (!this.inSight) return;
     this.follow();
+    this.beforeDrawing();
     this.renderer.render(this.scene, this.camera);
     ++this.count.frames;
     if (this.count.frames % 15 === 0) {
@@ -406,7 +412,8 @@ export class View {
       const apart = [...this.fixes].filter(([, marks]) => marks.apart_m !== undefined);
       this.figures.textContent =
         `${triangles.toLocaleString("en")} triangles, ${(this.cloudPoints ?? 0).toLocaleString("en")} points a turn` +
-        apart.map(([name, marks]) => `, ${name} ${marks.apart_m.toFixed(2)} m from its antenna`).join("");
+        apart.map(([name, marks]) => `, ${name} ${marks.apart_m.toFixed(2)} m from its antenna`).join("") +
+        this.figuresOf();
     }
   }
 }

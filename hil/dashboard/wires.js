@@ -1,6 +1,8 @@
-// The table of wires: each device against what it should do, and the messages of one wire live.
+// The table of wires: each device against what it should do, the messages of one wire live, and one of
+// them with its fields, each of which marks its bytes when it is pointed at.
 
 const MOST_MESSAGES = 60;
+const DETAIL_MS = 500; // from one message to the next in the detail, until one is chosen
 
 // By column: class, and what it shows of a device that sent so many messages a second.
 const COLUMNS = [
@@ -20,16 +22,25 @@ const whole = (number) => Math.round(number).toLocaleString("en");
 
 export class Wires {
   // `plot(source, numbers, time_s)` is given what the messages of a wire say.
-  constructor(run, rows, choice, list, plot) {
+  // `detail`: {head, bytes, fields, follow}, of one message.
+  constructor(run, rows, choice, list, detail, plot) {
     this.run = run;
     this.plot = plot;
     this.rows = rows;
     this.choice = choice;
     this.list = list;
+    this.detail = detail;
+    this.chosen = null; // message whose detail stays
+    this.detailAt = 0;
     this.before = null; // the status before, for rates
     run.listen("/status", (status) => this.show(status));
     run.addEventListener("topics", () => this.offer());
     choice.addEventListener("change", () => this.watch());
+    list.addEventListener("click", ({ target }) => this.pick(target.closest("li")));
+    list.addEventListener("keydown", (event) => this.key(event));
+    detail.follow.addEventListener("click", () => this.pick(null));
+    for (const type of ["mouseover", "focusin"]) detail.fields.addEventListener(type, ({ target }) => this.mark(target.closest("li")));
+    for (const type of ["mouseleave", "focusout"]) detail.fields.addEventListener(type, () => this.mark(null));
   }
 
   show(status) {
@@ -78,17 +89,74 @@ export class Wires {
   watch() {
     this.end?.();
     this.list.replaceChildren();
+    this.pick(null);
+    this.showDetail(null);
     this.end = this.choice.value
       ? this.run.listen(this.choice.value, (message) => this.add(message))
       : null;
   }
 
-  add({ time_ns, from, size, bytes, text, signals }) {
+  add(message) {
+    const { time_ns, from, size, bytes, text, signals } = message;
     if (signals) this.plot(this.choice.value.slice(1).replace("/", "."), signals, time_ns * 1e-9);
     const item = document.createElement("li");
     item.className = from;
-    item.textContent = `${(time_ns * 1e-9).toFixed(6)} ${from === "client" ? "<" : ">"} ${text} [${size}] ${bytes ?? ""}`;
+    item.message = message;
+    item.textContent = `${(time_ns * 1e-9).toFixed(6)} ${from === "client" ? "<" : ">"} ${text} [${size}] ${bytes}`;
     this.list.prepend(item);
-    while (this.list.childElementCount > MOST_MESSAGES) this.list.lastElementChild.remove();
+    for (let last; this.list.childElementCount > MOST_MESSAGES; last.remove()) {
+      last = this.list.lastElementChild;
+      if (last.message === this.chosen) last = last.previousElementSibling; // stays while it is chosen
+    }
+    if (!this.chosen && performance.now() - this.detailAt > DETAIL_MS) this.showDetail(message);
+  }
+
+  // Its detail stays; null: the newest is shown again.
+  pick(item) {
+    this.list.querySelector("[aria-current]")?.removeAttribute("aria-current");
+    this.chosen = item?.message ?? null;
+    this.detail.follow.hidden = !this.chosen;
+    if (!this.chosen) return;
+    item.setAttribute("aria-current", "true");
+    this.showDetail(this.chosen);
+  }
+
+  key(event) {
+    const step = { ArrowUp: "previousElementSibling", ArrowDown: "nextElementSibling" }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    const now = this.list.querySelector("[aria-current]");
+    const next = now ? now[step] : this.list.firstElementChild;
+    if (next) {
+      this.pick(next);
+      next.scrollIntoView({ block: "nearest" });
+    }
+  }
+
+  showDetail(message) {
+    const { head, bytes, fields } = this.detail;
+    this.detailAt = performance.now();
+    head.textContent = message ? `${(message.time_ns * 1e-9).toFixed(6)} s, ${message.text}` : "";
+    bytes.replaceChildren(...(message?.bytes.match(/../g) ?? []).map((byte) => {
+      const span = document.createElement("span");
+      span.textContent = byte;
+      return span;
+    }));
+    fields.replaceChildren(...(message?.fields ?? []).map(({ name, value, from, bytes: count }) => {
+      const item = document.createElement("li");
+      item.tabIndex = 0;
+      item.dataset.from = from;
+      item.dataset.bytes = count;
+      item.textContent = value ? `${name}: ${value}` : name;
+      return item;
+    }));
+  }
+
+  mark(field) {
+    const from = Number(field?.dataset.from ?? 0);
+    const count = Number(field?.dataset.bytes ?? 0);
+    [...this.detail.bytes.children].forEach((byte, at) => {
+      byte.classList.toggle("marked", at >= from && at < from + count);
+    });
   }
 }

@@ -31,9 +31,10 @@ for list in "$@"; do
   fi
   wanted+=("${of_list[@]}")
 done
-# One line per installed package; dpkg-query complains about (and fails for) those it never saw.
-installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${wanted[@]}" 2>/dev/null |
-  awk '$1 == "installed" {print $2}') || true
+# Whatever is installed, and what that provides: a nodejs from elsewhere has its own npm. Of packages that
+# it never saw dpkg-query says nothing when it is asked for all.
+installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}, ${Provides}\n' |
+  sed -n 's/^installed //p' | tr ',' '\n' | sed 's/(.*//; s/[[:space:]]//g')
 missing=()
 for package in "${wanted[@]}"; do
   grep -qxF "$package" <<<"$installed" || missing+=("$package")

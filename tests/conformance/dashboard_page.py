@@ -1,11 +1,13 @@
 """Looks at a run's page with Debian's Chromium, and at its wires with their real clients.
 
-    dashboard_page.py BINARY_DIR SCRATCH_DIR [CASE ...]
+    dashboard_page.py BINARY_DIR SCRATCH_DIR [GROUP or CASE ...]
 
-Starts the excavator with wires of its own and goes through CASES in one browser. Asserts on numbers
+Starts the excavator with wires of its own and goes through the cases of a group, else of all, in one
+browser. Asserts on numbers
 and on pixels, never on a rate of frames: WebGL is drawn by the processor here.
 """
 import base64
+import contextlib
 import json
 import os
 import pathlib
@@ -23,11 +25,14 @@ import cv2
 import numpy
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
 binaries, scratch = (pathlib.Path(argument) for argument in sys.argv[1:3])
 PATIENCE_S = 120
+NODE_PACKAGES = ["@foxglove/ws-protocol@0.8.0", "ws@8"]  # installed into the build folder
 CHANNELS = 12 * 32  # returns of a data packet
 
 
@@ -48,12 +53,12 @@ def answers(port):
 
 
 class Rig:
-    """An excavator that digs nowhere: it stands, and does what it is told by hand."""
+    """The excavator digs nowhere: it stands, and does what it is told by hand."""
 
-    def __init__(self):
+    def __init__(self, name="excavator_pit"):
         self.folder = scratch / "run"
         self.process = subprocess.Popen(
-            [binaries / "rigwire", "run", "excavator_pit", "--isolated", self.folder, "--dashboard",
+            [binaries / "rigwire", "run", name, "--isolated", self.folder, "--dashboard",
              "--status", "none", "--duration", "20min"], stderr=open(scratch / "rig.log", "w"))
         eventually("the run is ready", (self.folder / "run.json").exists)
         eventually("all of it is told", lambda: (self.folder / "run.json").read_text().endswith("\n"))
@@ -61,6 +66,11 @@ class Rig:
         self.page = self.told["dashboard"]
         self.base, self.token = self.page.split("/#")
         self.port = int(self.base.rsplit(":", 1)[1])
+
+    def end(self):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+            self.process.wait(PATIENCE_S)
 
     def request(self, path, body=None, headers=None, method=None):
         """Status and text of an answer."""
@@ -158,7 +168,8 @@ def picture(browser):
 
 
 def frames_drawn(browser, count):
-    """So many frames more."""
+    """So many frames more; out of sight none is drawn."""
+    browser.execute_script("document.getElementById('scene').scrollIntoView({ block: 'center' });")
     before = value(browser, "rigwire.view.count.frames")
     eventually("the view draws", lambda: value(browser, "rigwire.view.count.frames") >= before + count)
 
@@ -217,25 +228,31 @@ def points_are_those_of_the_packets(rig, browser):
     assert abs(shown - counted) < 0.05 * counted, (shown, turns)
 
 
-def a_fault_by_its_button_reaches_a_real_client(rig, browser):
+@contextlib.contextmanager
+def gpsd_reports(rig):
+    """What gpsd makes of the receiver's second port."""
     port = 20000 + os.getpid() % 10000
     daemon = subprocess.Popen(["gpsd", "-N", "-n", "-S", str(port), rig.folder / "wires/gnss.1"])
-    eventually("gpsd listens", lambda: answers(port))
-    client = subprocess.Popen(["gpspipe", "-w", f"localhost:{port}"], stdout=subprocess.PIPE, text=True)
-
-    def modes():
-        for line in client.stdout:
-            report = json.loads(line)
-            if report.get("class") == "TPV":
-                yield report.get("mode", 0)
-
+    client = None
     try:
-        reports = modes()
-        assert next(mode for mode in reports if mode >= 3) == 3
+        eventually("gpsd listens", lambda: answers(port))
+        client = subprocess.Popen(["gpspipe", "-w", f"localhost:{port}"], stdout=subprocess.PIPE, text=True)
+        yield (json.loads(line) for line in client.stdout)
+    finally:
+        for process in (client, daemon):
+            if process:
+                process.terminate()
+                process.wait()
+
+
+def a_fault_by_its_button_reaches_a_real_client(rig, browser):
+    with gpsd_reports(rig) as reports:
+        modes = (report.get("mode", 0) for report in reports if report.get("class") == "TPV")
+        assert next(mode for mode in modes if mode >= 3) == 3
         Select(browser.find_element(By.ID, "fault-on")).select_by_value("gnss")
         Select(browser.find_element(By.ID, "fault-type")).select_by_value("outage")
         browser.find_element(By.ID, "fault-add").click()
-        assert next(mode for mode in reports if mode <= 1) <= 1
+        assert next(mode for mode in modes if mode <= 1) <= 1
         eventually("the time line tells of it", lambda: "fault_begun" in browser.find_element(
             By.ID, "event-rows").text)
         row = browser.find_element(By.XPATH, "//tbody[@id='event-rows']/tr[td='fault_begun']")
@@ -243,16 +260,172 @@ def a_fault_by_its_button_reaches_a_real_client(rig, browser):
         shown = value(browser, "rigwire.plots.heldAt_s - rigwire.plots.span_s / 2")
         assert abs(shown - float(row.find_element(By.TAG_NAME, "button").text)) < 0.001, shown
         assert "fault_begun gnss" in value(browser, "rigwire.plots.marks.map(({ text }) => text)")
-        listed = eventually("it is listed", lambda: browser.find_elements(By.CSS_SELECTOR, "#faults button"))
-        listed[0].click()
-        assert next(mode for mode in reports if mode >= 3) == 3
+        eventually("it is a band in the plots", lambda: value(browser, "rigwire.plots.bandsDrawn") == 1)
+        band = eventually("and on the time line", lambda: browser.find_elements(
+            By.CSS_SELECTOR, "#time-line rect.fault"))
+        assert len(band) == 1
+        eventually("it is listed", lambda: browser.find_elements(By.CSS_SELECTOR, "#faults button"))
+        # The mark behind its band ends it.
+        eventually("it can be undone", lambda: click_if_there(browser, "#time-line .undo"))
+        assert next(mode for mode in modes if mode >= 3) == 3
         eventually("its end is told", lambda: "fault_ended" in browser.find_element(
             By.ID, "event-rows").text)
-    finally:
-        client.terminate()
-        daemon.terminate()
-        client.wait()
-        daemon.wait()
+        eventually("nothing acts any more", lambda: not browser.find_elements(
+            By.CSS_SELECTOR, "#time-line .undo, #faults button"))
+        browser.find_element(By.ID, "plot-pause").click()
+
+
+def click_if_there(browser, selector):
+    """By an event of its own: what is drawn anew twice a second may be gone before a real click."""
+    return value(browser, f"""(() => {{
+        const found = document.querySelector({json.dumps(selector)});
+        found?.dispatchEvent(new MouseEvent("click", {{ bubbles: true }}));
+        return Boolean(found);
+    }})()""")
+
+
+def satellites_are_those_that_gpsd_hears_of(rig, browser):
+    with gpsd_reports(rig) as reports:
+        # gpsd begins to tell of a sky before it has all pages.
+        skies = (report for report in reports if report.get("class") == "SKY" and report.get("satellites"))
+        told = [next(skies) for _ in range(3)][-1]
+    used = sum(satellite["used"] for satellite in told["satellites"])
+    assert used >= 4, told
+
+    def shown():
+        return value(browser, "rigwire.sensors.skies.get('/satellites/gnss')?.told?.satellites") or []
+    eventually("the page has as many", lambda: abs(sum(one["used"] for one in shown()) - used) <= 1)
+    by_number = {one["name"].split()[-1]: one for one in shown()}
+    compared = 0
+    for satellite in told["satellites"]:
+        one = by_number.get(str(satellite["PRN"]))
+        if one and "az" in satellite:
+            compared += 1
+            turn = (one["azimuth_deg"] - satellite["az"] + 180) % 360 - 180
+            assert abs(turn) <= 2 and abs(one["elevation_deg"] - satellite["el"]) <= 2, (one, satellite)
+    assert compared >= 4, (by_number, told)
+    # The lines are there, in the colour of those that are used.
+    rig.command("pause")
+    lines = "rigwire.sensors.skies.get('/satellites/gnss').lines"
+    assert value(browser, f"{lines}.visible && {lines}.geometry.drawRange.count") == 2 * len(shown())
+    with_lines = picture(browser)
+    browser.find_element(By.ID, "show-satellites").click()
+    frames_drawn(browser, 3)
+    assert value(browser, "[...rigwire.run.subscriptions.values()].filter((t) => t.startsWith('/sat')).length") == 0
+    assert (numpy.abs(with_lines - picture(browser)).sum(axis=2) > 60).sum() > 100, "no line was drawn"
+    browser.find_element(By.ID, "show-satellites").click()
+    rig.command("resume")
+
+
+def sensors_sit_where_the_rig_says(rig, browser):
+    place = "rigwire.sensors.shown.get('imu_boom').group"
+    assert value(browser, f"{place}.position.toArray()") == [2.5, 0.2, 0.5]
+    assert value(browser, f"{place}.parent === rigwire.view.frames.get('boom')")
+    kinds = value(browser, "[...rigwire.sensors.shown].map(([name, { kind }]) => `${name} ${kind}`)")
+    assert {"imu_chassis imu", "imu_boom imu", "imu_stick imu", "imu_bucket imu", "lidar lidar",
+            "gnss receiver"} == set(kinds), kinds
+    browser.find_element(By.ID, "show-axes").click()
+    assert not value(browser, f"{place}.visible")
+    browser.find_element(By.ID, "show-axes").click()
+    assert value(browser, f"{place}.visible")
+
+
+def mbpoll(rig, table, register, *values):
+    """An independent Modbus client reads one register of the valve driver, or writes it; what it says."""
+    address, port = re.search(r"([\d.]+):(\d+)", rig.wire("valves")).groups()
+    count = [] if values else ["-c", "1"]
+    return subprocess.run(["mbpoll", "-m", "tcp", "-p", port, "-0", "-1", "-o", "10", "-a", "1", "-t", table,
+                           "-r", str(register), *count, address, *map(str, values)],
+                          capture_output=True, text=True, check=True).stdout
+
+
+def registers_have_their_names_and_who_wrote_them(rig, browser):
+    browser.find_element(By.CSS_SELECTOR, "#registers summary").click()
+
+    def cells(name):
+        return value(browser, f"[...(document.querySelector('tr[data-register=\"{name}\"]')?.cells ?? [])]"
+                              ".map((cell) => cell.textContent)")
+    eventually("all are listed", lambda: cells("heartbeat"))
+    assert cells("heartbeat")[3] == "–" and cells("heartbeat")[5] == "–", cells("heartbeat")
+    browser.execute_script("rigwire.wires.choose('valves', 'valves');")
+    eventually("it is subscribed", lambda: "/wire/valves" in value(
+        browser, "[...rigwire.run.subscriptions.values()]"))
+    mbpoll(rig, "4", 9, 77)
+    eventually("the write is there", lambda: cells("heartbeat")[3].strip() == "77")
+    assert cells("heartbeat")[5].startswith("client "), cells("heartbeat")
+    answer = mbpoll(rig, "3", 18)
+    raw = int(re.search(r"\[18\]:\s+(-?\d+)", answer).group(1))
+    shown = eventually("the voltage is there", lambda: cells("supply_voltage")[3] != "–"
+                       and cells("supply_voltage")[3])
+    number, unit = shown.split()
+    assert unit == "V" and abs(float(number) - 0.01 * raw) < 0.5, (shown, raw)
+    assert cells("supply_voltage")[5] == "–", "nobody wrote it"
+    browser.find_element(By.CSS_SELECTOR, "#registers summary").click()
+    # The message itself: a field marks its bytes.
+    told, marked = mark_field(browser, "unit 1: write register", "heartbeat")
+    assert told == "77" and marked == ["00", "4d"], (told, marked)
+
+
+def mark_field(browser, message, field):
+    """Chooses a message of the wire that is watched, points at a field: its words, and the bytes marked."""
+    chosen = f"[...document.querySelectorAll('#messages li')].find((li) => li.textContent.includes({json.dumps(message)}))"
+    eventually(f"a message with {message}", lambda: value(browser, f"Boolean({chosen})"))
+    found, all_of_them = browser.execute_script(f"""
+        rigwire.wires.pick({chosen});
+        const fields = [...document.querySelectorAll("#message-fields li")];
+        const found = fields.find((item) => item.textContent.startsWith(arguments[0]));
+        found?.scrollIntoView({{ block: "center" }});
+        return [found, fields.map((item) => item.textContent)];""", field)
+    assert found, all_of_them
+    ActionChains(browser).move_to_element(found).perform()
+    return browser.execute_script("""
+        return [arguments[0].textContent.split(": ").slice(1).join(": "),
+                [...document.querySelectorAll("#message-bytes .marked")].map((byte) => byte.textContent)];""", found)
+
+
+def fields_mark_their_bytes(rig, browser):
+    for wire, message, field in (("gnss", "GGA", "latitude"), ("lidar", "data packet", "block 1, azimuth"),
+                                 ("can", "engine_speed=", "engine_speed")):
+        Select(browser.find_element(By.ID, "wire")).select_by_value(f"/wire/{wire}")
+        told, marked = mark_field(browser, message, field)
+        marked = bytes.fromhex("".join(marked))
+        if wire == "gnss":
+            assert marked.decode() == told, (marked, told)
+        elif wire == "lidar":
+            assert abs(struct.unpack("<H", marked)[0] * 0.01 - float(told.split()[0])) < 0.006, (marked, told)
+        else:  # J1939-71, PGN 61444: bytes 4 and 5, 0.125 rpm
+            assert abs(struct.unpack("<H", marked)[0] * 0.125 - float(told.split()[0])) < 0.1, (marked, told)
+    browser.find_element(By.ID, "message-follow").click()
+    assert not browser.find_elements(By.CSS_SELECTOR, "#messages [aria-current]")
+    browser.find_element(By.ID, "messages").send_keys(Keys.ARROW_DOWN, Keys.ARROW_DOWN)
+    assert len(browser.find_elements(By.CSS_SELECTOR, "#messages [aria-current]")) == 1
+    Select(browser.find_element(By.ID, "wire")).select_by_value("")
+
+
+def a_hand_is_marked_beside_what_the_client_asks(rig, browser):
+    held = "document.querySelector('[data-stick=boom]').className.includes('held')"
+    output = "document.querySelector('[data-stick=boom] output').textContent"
+    rig.command("set", set={"boom": 0.2})  # by another hand than the page's
+    eventually("the slider is marked", lambda: value(browser, held))
+    assert value(browser, output).startswith("hand 0.2"), value(browser, output)
+    mbpoll(rig, "4", 0, 1)
+    mbpoll(rig, "4", 2, 150)
+    eventually("the client's command is beside it", lambda: "client 15 %" in value(browser, output))
+    browser.find_element(By.CSS_SELECTOR, "[data-stick=boom] button").click()
+    eventually("it is the client's again", lambda: not value(browser, held))
+
+
+def a_mark_on_the_time_line_moves_the_plots(rig, browser):
+    status, text, _ = rig.request("/command", json.dumps({"verb": "set", "set": {"nothing": 1}}).encode(),
+                                  {"Authorization": f"Bearer {rig.token}"})
+    assert status == 400, text
+    eventually("it is on the time line", lambda: click_if_there(browser, "#time-line circle"))
+    line = browser.find_element(By.ID, "time-line")
+    line.send_keys(Keys.ARROW_RIGHT)
+    time_s = value(browser, "rigwire.timeLine.chosen.time_s")
+    assert abs(value(browser, "rigwire.plots.heldAt_s - rigwire.plots.span_s / 2") - time_s) < 1e-6
+    assert f"{time_s:.3f} s" in browser.find_element(By.ID, "time-line-words").text
+    browser.find_element(By.ID, "plot-pause").click()
 
 
 def pause_stops_everything(rig, browser):
@@ -285,6 +458,86 @@ def tables_have_the_figures_of_the_run(rig, browser):
     nominal = told["lidar"]["nominal_rate_hz"]
     eventually("the lidar has its rate", lambda: abs((cell(browser, "lidar", "rate") or 0) - nominal)
                < 0.1 * nominal)
+
+
+# What is not within its parent, or the window. What scrolls may hold more than it shows.
+CLIPPED = """
+const clipped = [];
+for (const one of document.querySelectorAll("header *, main *")) {
+  if (one.closest(".scroll, svg, #messages, #message-fields, option, datalist") || !one.getClientRects().length) continue;
+  const { left, right } = one.getBoundingClientRect();
+  const parent = one.parentElement.getBoundingClientRect();
+  if (right > innerWidth + 1 || left < -1 || right > parent.right + 1) clipped.push(`${one.tagName}#${one.id} ${left} ${right}`);
+}
+if (document.documentElement.scrollWidth > innerWidth) clipped.push("the page scrolls sideways");
+return clipped;
+"""
+
+
+def nothing_is_clipped(rig, browser):
+    try:
+        # A wide window, a narrow one, and 1280 pixels at 200 %.
+        for width, scale in ((1280, 1), (800, 1), (640, 2)):
+            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+                "width": width, "height": 900, "deviceScaleFactor": scale, "mobile": False})
+            eventually(f"it is {width} wide", lambda: value(browser, "innerWidth") == width)
+            clipped = browser.execute_script(CLIPPED)
+            assert not clipped, (width, clipped)
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def contrast(browser, one, other):
+    """WCAG 2.1, of two custom properties."""
+    def luminance(colour):
+        parts = [int(colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
+        parts = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+        return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2]
+    lights = sorted(luminance(value(browser, "getComputedStyle(document.documentElement)"
+                                             f".getPropertyValue('{name}').trim()")) for name in (one, other))
+    return (lights[1] + 0.05) / (lights[0] + 0.05)
+
+
+def light_and_dark_can_both_be_read(rig, browser):
+    grounds = set()
+    for scheme in ("light", "dark"):
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+            "features": [{"name": "prefers-color-scheme", "value": scheme}]})
+        grounds.add(value(browser, "getComputedStyle(document.body).backgroundColor"))
+        for ink in ("--ink", "--faint", "--accent", "--bad"):
+            for ground in ("--panel", "--row"):
+                assert contrast(browser, ink, ground) >= 4.5, (scheme, ink, ground)
+    assert len(grounds) == 2, grounds
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+
+
+def keys_reach_everything(rig, browser):
+    """Every control that is shown has its turn with Tab, and one sees where one is."""
+    wanted = browser.execute_script("""
+        document.body.focus();
+        return [...document.querySelectorAll("button, input, select, summary, [tabindex='0']")]
+          .filter((one) => one.getClientRects().length && !one.disabled && !one.closest("table, ul"))
+          .map((one) => one.id || one.closest("[id], [data-stick]").id || one.closest("[data-stick]").dataset.stick);""")
+    body = browser.find_element(By.TAG_NAME, "body")
+    browser.execute_script("document.activeElement.blur(); scrollTo(0, 0);")
+    reached, hidden = set(), []
+    for _ in range(200):
+        ActionChains(browser).send_keys(Keys.TAB).perform()
+        name, outline = browser.execute_script("""
+            const one = document.activeElement;
+            const name = one.id || one.closest("[id], [data-stick]")?.id || one.closest("[data-stick]")?.dataset.stick;
+            return [name, getComputedStyle(one).outlineStyle];""")
+        if name in (None, "") and reached:
+            break
+        if name:
+            reached.add(name)
+            if outline == "none":
+                hidden.append(name)
+        if set(wanted) <= reached:
+            break
+    assert set(wanted) <= reached, set(wanted) - reached
+    assert not hidden, hidden
+    assert body
 
 
 def two_browsers_and_a_reload_see_the_same(rig, browser):
@@ -370,11 +623,66 @@ def the_report_has_what_the_page_showed(rig, browser):
                lambda: "no connection" in browser.find_element(By.ID, "connection").text)
 
 
-CASES = [nothing_is_complained_of, the_picture_is_of_the_machine, points_are_those_of_the_packets,
-         a_fault_by_its_button_reaches_a_real_client, pause_stops_everything,
-         tables_have_the_figures_of_the_run, two_browsers_and_a_reload_see_the_same,
-         a_viewer_that_reads_nothing_costs_the_wires_nothing, strangers_are_refused,
-         the_report_has_what_the_page_showed]
+def foxgloves_own_client_hears_it(rig, browser):
+    modules = binaries.absolute() / "node"
+    modules.mkdir(exist_ok=True)
+    if not (modules / "node_modules/@foxglove/ws-protocol").exists():
+        fetched = subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--prefix", modules, *NODE_PACKAGES],
+                                 capture_output=True, text=True)
+        if fetched.returncode != 0:
+            print("skipped: no registry of npm answers:", fetched.stderr.splitlines()[-1:], flush=True)
+            return
+    heard = subprocess.run(["node", pathlib.Path(__file__).with_name("dashboard_foxglove.mjs"), rig.page, modules],
+                           capture_output=True, text=True)
+    assert heard.returncode == 0 and "all heard" in heard.stdout, heard.stdout + heard.stderr
+
+
+def metrics_are_as_prometheus_wants_them(rig, browser):
+    status, text, _ = rig.request("/metrics", headers={"Authorization": f"Bearer {rig.token}"})
+    assert status == 200 and "rigwire" in text
+    judged = subprocess.run(["promtool", "check", "metrics"], input=text, capture_output=True, text=True)
+    assert judged.returncode == 0, judged.stdout + judged.stderr
+
+
+def a_page_that_is_left_open_keeps_its_size(rig, browser):
+    """Everything is looked at; what JavaScript holds after a collection does not grow with time."""
+    browser.execute_script("rigwire.plots.add('truth.position_m.0'); rigwire.plots.add('wires.lidar.frames');")
+    Select(browser.find_element(By.ID, "wire")).select_by_value("/wire/can")
+    browser.find_element(By.CSS_SELECTOR, "#registers summary").click()
+    browser.execute_cdp_cmd("Performance.enable", {})
+
+    def held_mb():
+        browser.execute_cdp_cmd("HeapProfiler.collectGarbage", {})
+        metrics = browser.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]
+        return next(one["value"] for one in metrics if one["name"] == "JSHeapUsedSize") / 1e6
+
+    def after(simulated_s):
+        begin_s = rig.command("state")["time_ns"] * 1e-9
+        eventually(f"{simulated_s} s go by", lambda: rig.command("state")["time_ns"] * 1e-9 > begin_s + simulated_s)
+        return held_mb()
+
+    rig.command("speed", factor=4)
+    first = after(20)  # until lists and plots are as long as they get
+    held = [after(20) for _ in range(3)]
+    rig.command("speed", factor=1)
+    print(f"held after 20 s of simulated time {first:.1f} MB, then each 20 s", *(f"{one:.1f}" for one in held))
+    assert max(held) < first + 8, (first, held)
+
+
+GROUPS = {
+    "page": [nothing_is_complained_of, the_picture_is_of_the_machine, points_are_those_of_the_packets,
+             a_fault_by_its_button_reaches_a_real_client, pause_stops_everything,
+             tables_have_the_figures_of_the_run, two_browsers_and_a_reload_see_the_same,
+             a_viewer_that_reads_nothing_costs_the_wires_nothing, strangers_are_refused,
+             the_report_has_what_the_page_showed],
+    "wires": [nothing_is_complained_of, satellites_are_those_that_gpsd_hears_of, sensors_sit_where_the_rig_says,
+              registers_have_their_names_and_who_wrote_them, fields_mark_their_bytes,
+              a_hand_is_marked_beside_what_the_client_asks, a_mark_on_the_time_line_moves_the_plots],
+    "looks": [nothing_is_complained_of, nothing_is_clipped, light_and_dark_can_both_be_read,
+              keys_reach_everything],
+    "lasting": [nothing_is_complained_of, metrics_are_as_prometheus_wants_them, foxgloves_own_client_hears_it,
+                a_page_that_is_left_open_keeps_its_size],
+}
 
 
 def main():
@@ -383,15 +691,17 @@ def main():
     browser = None
     try:
         browser = open_browser(rig.page)
-        for case in [case for case in CASES if not sys.argv[3:] or case.__name__ in sys.argv[3:]]:
+        asked = sys.argv[3:] or list(GROUPS)
+        cases = {case: None for group, cases in GROUPS.items() for case in cases
+                 if group in asked or case.__name__ in asked}
+        # What ends the run comes last, whatever is asked for.
+        for case in sorted(cases, key=lambda case: case is the_report_has_what_the_page_showed):
             print(case.__name__, flush=True)
             case(rig, browser)
     finally:
         if browser:
             browser.quit()
-        if rig.process.poll() is None:
-            rig.process.send_signal(signal.SIGINT)
-            rig.process.wait(PATIENCE_S)
+        rig.end()
     print("all seen")
 
 

@@ -20,7 +20,7 @@ def client_of_the_cameras(rig):
     """Takes pictures of every camera, as long as it lasts."""
     clients = [subprocess.Popen(["arv-camera-test-0.8", "--no-packet-socket", "-n", address],
                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-               for address in re.findall(r"gige[^\d]*([\d.]+)", " ".join(rig.told["devices"].values()))]
+               for address in re.findall(r"udp ([\d.]+):3956\b", " ".join(rig.told["devices"].values()))]
     try:
         yield clients
     finally:
@@ -56,10 +56,10 @@ def main():
     browser = None
     try:
         browser = dashboard_page.open_browser(rig.page)
-        lidars = value(browser, "0") if name.endswith("vision") else 1
         eventually("the scene is there", lambda: value(
             browser, "window.rigwire?.view && rigwire.run.assets.size === 0 && rigwire.view.entities.size > 5 "
-                     f"&& rigwire.view.count.transforms > 0 && rigwire.view.count.clouds >= {lidars}"))
+                     "&& rigwire.view.count.transforms > 0 "
+                     "&& (rigwire.view.clouds.size === 0 || rigwire.view.count.clouds > 0)"))
         frames_drawn(browser, 3)
         assert len(numpy.unique(picture(browser).reshape(-1, 3), axis=0)) > 100, "the picture is blank"
         if name.endswith("vision"):

@@ -31,13 +31,14 @@ def client_of_the_cameras(rig):
 
 def see_the_pictures(rig, browser):
     cameras = value(browser, "[...rigwire.sensors.cameras.keys()]")
-    assert cameras, "no camera is shown"
+    assert "/camera/surround" in cameras, cameras
     said = value(browser, "document.getElementById('pictures').textContent")
     assert said.count("no client takes its pictures") == len(cameras), said
-    rig.command("speed", factor=0.02)  # so that pictures are rendered in time, however busy the machine is
+    rig.command("speed", factor=0.1)  # pictures are to be rendered in time on a busy machine, too
     with client_of_the_cameras(rig) as clients:
         assert len(clients) == len(cameras), rig.told["devices"]
-        for topic in cameras:
+        # Of the one that needs no processors of its own for matching.
+        for topic in (topic for topic in cameras if topic == "/camera/surround"):
             eventually(f"pictures of {topic}", lambda: value(
                 browser, f"rigwire.sensors.cameras.get('{topic}').count") > 1)
             width, height, colours, sent = browser.execute_script("""

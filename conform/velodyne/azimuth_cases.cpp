@@ -56,27 +56,29 @@ void forward(Trial& trial, const Log& log, const Claims&) {
   });
 }
 
-/// Counts that the rotor turns in that time.
-double turned(const Log& log, std::int64_t time_ns) {
-  return *log.rotor_rpm() / 60.0 * 36'000.0 * static_cast<double>(time_ns) * 1e-9;
+/// Counts that a rotor of that speed turns in that time.
+double turned(double rotor_rpm, std::int64_t time_ns) {
+  return rotor_rpm / 60.0 * 36'000.0 * static_cast<double>(time_ns) * 1e-9;
 }
 
 // Encoders of real sensors tremble by some counts from block to block (38 to 42 of a VLP-16).
 constexpr double kTremble_counts = 5.0;
 
 void steps(Trial& trial, const Log& log, const Claims&) {
+  const double rotor_rpm = *log.rotor_rpm();
   each_step(trial, log, "within a packet steps of the azimuth as the rotor turns, but for 5 counts",
             [&](int step, std::int64_t time_ns, bool within) {
-              const double off = std::abs(step - turned(log, time_ns));
-              const double allowed = kTremble_counts + 0.02 * turned(log, time_ns);
+              const double off = std::abs(step - turned(rotor_rpm, time_ns));
+              const double allowed = kTremble_counts + 0.02 * turned(rotor_rpm, time_ns);
               return within && off > allowed ? Wrong(std::to_string(step) + " counts") : Wrong();
             });
 }
 
 void from_packet_to_packet(Trial& trial, const Log& log, const Claims&) {
+  const double rotor_rpm = *log.rotor_rpm();
   each_step(trial, log, "from packet to packet as much azimuth as time, within 0.3 degrees",
             [&](int step, std::int64_t time_ns, bool within) {
-              const double off = std::remainder(step - turned(log, time_ns), 36'000.0);
+              const double off = std::remainder(step - turned(rotor_rpm, time_ns), 36'000.0);
               return !within && std::abs(off) > 30.0
                          ? Wrong(number_text(off / 100.0) + " degrees off")
                          : Wrong();

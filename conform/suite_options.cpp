@@ -10,6 +10,10 @@ std::optional<CaseResult> hindrance(const CaseIdentity& identity, const std::str
   if (identity.danger == Danger::writes && !options.writes) {
     return CaseResult{identity, Verdict::skipped, "", "it writes; asked for by --writes", {}};
   }
+  if (identity.danger == Danger::moves && !options.moves) {
+    return CaseResult{
+        identity, Verdict::skipped, "", "a machine may move; asked for by --moves ENDPOINT", {}};
+  }
   if (identity.id.find("/robustness/") != std::string::npos && !options.robustness) {
     return CaseResult{
         identity, Verdict::skipped, "", "no conformance; asked for by --robustness", {}};

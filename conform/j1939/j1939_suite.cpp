@@ -26,16 +26,6 @@ std::string missing(const J1939Case& of, const J1939Claims& claims) {
                                                  : "";
 }
 
-/// Opens the bus and claims an address there.
-void open_line(J1939Device& device) {
-  device.line = device.open();
-  J1939Trial trial({}, device);
-  // Function 129 (off-board diagnostic-service tool) of the global group.
-  static_cast<void>(trial.send(J1939Trial::kClaim, J1939Trial::kEverybody,
-                               {0x01, 0x00, 0xE0, 0xFF, 0x00, 129, 0x00, 0x00}, "a claim"));
-  static_cast<void>(trial.listen(milliseconds(300)));
-}
-
 /// "0, 128"
 template <class ByAddress>
 std::string addresses_text(const ByAddress& heard) {

@@ -40,6 +40,15 @@ std::string pgn_text(std::uint32_t pgn) {
   return text.data();
 }
 
+void open_line(J1939Device& device) {
+  device.line = device.open();
+  J1939Trial trial({}, device);
+  // Function 129 (off-board diagnostic-service tool) of the global group.
+  static_cast<void>(trial.send(J1939Trial::kClaim, J1939Trial::kEverybody,
+                               {0x01, 0x00, 0xE0, 0xFF, 0x00, 129, 0x00, 0x00}, "a claim"));
+  static_cast<void>(trial.listen(std::chrono::milliseconds(300)));
+}
+
 J1939Trial::J1939Trial(CaseIdentity identity, J1939Device& device)
     : Trial(std::move(identity), [&device] { return device.line->now(); }), device_(&device) {
   drain();

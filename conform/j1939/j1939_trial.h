@@ -39,6 +39,9 @@ struct J1939Device {
   std::unique_ptr<CanLine> line;
 };
 
+/// Opens the bus, and claims the suite's own address there. Throws Unreachable.
+void open_line(J1939Device& device);
+
 /// A frame of 29 bits taken apart; destination 255 of groups that have none.
 struct J1939Heard {
   std::uint8_t priority = 0;

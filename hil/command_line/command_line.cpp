@@ -419,8 +419,10 @@ void declare(CLI::App& app, Parsed& parsed) {
       app.add_subcommand("conform", "Hold a device to its protocol's documents, case by case");
   ConformRequest& conform = parsed.conform;
   conform_app
-      ->add_option("suite", conform.suite,
-                   "modbus-tcp, modbus-rtu, nmea, ubx, canopen, j1939, velodyne or gige-vision")
+      ->add_option(
+          "suite", conform.suite,
+          "modbus-tcp, modbus-rtu, nmea, ubx, canopen, j1939, iso11783-valves, velodyne or "
+          "gige-vision")
       ->required();
   conform_app->add_option("endpoint", conform.endpoint,
                           "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], can:INTERFACE, "
@@ -453,6 +455,11 @@ void declare(CLI::App& app, Parsed& parsed) {
       ->add_flag("--writes", conform.writes,
                  "Also cases that change what the profile says may be, and put it back")
       ->excludes(make);
+  conform_app
+      ->add_option("--moves", conform.moves,
+                   "Also cases by which a machine may move: the endpoint once more, word by word")
+      ->excludes(make)
+      ->excludes(listed);
   conform_app
       ->add_flag("--robustness", conform.robustness,
                  "Also garbage and floods, which are no conformance")

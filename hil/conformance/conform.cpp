@@ -13,6 +13,7 @@
 
 #include "conform/canopen/canopen_suite.h"
 #include "conform/gige_vision/gige_vision_suite.h"
+#include "conform/iso_valves/iso_valves_suite.h"
 #include "conform/j1939/j1939_suite.h"
 #include "conform/modbus/modbus_suite.h"
 #include "conform/nmea/nmea_suite.h"
@@ -80,13 +81,13 @@ struct Suite {
   std::string_view places;  ///< The same in words.
   conform::EndpointDefaults defaults;
   bool needs_profile = true;  ///< Else it looks through what is said without claims.
-  bool sends = true;          ///< There is something to ask for by --writes and --robustness.
+  bool sends = true;          ///< Else it only listens.
   Identities (*identities)();
   Ask ask;
 };
 
 conform::SuiteOptions options_of(const ConformRequest& request) {
-  return {request.wanted, request.writes, request.robustness};
+  return {request.wanted, request.writes, request.robustness, request.moves.has_value()};
 }
 
 SuiteResult ask_modbus(const ConformRequest& request, const Place& place, std::ostream& out) {
@@ -150,6 +151,19 @@ SuiteResult ask_j1939(const ConformRequest& request, const Place& place, std::os
   }
   device.claims = read_j1939_profile(request.profile);
   SuiteResult result = run_j1939_suite(device, options_of(request));
+  result.profile_hash = hash_of(profile_text(device.claims, ""));
+  return result;
+}
+
+SuiteResult ask_iso_valves(const ConformRequest& request, const Place& place, std::ostream& out) {
+  conform::IsoValveDevice device;
+  device.open = [&place] { return conform::open_can(place.endpoint); };
+  if (request.make_profile) {
+    out << profile_text(survey_iso_valves(device), request.endpoint);
+    return {};
+  }
+  device.claims = read_iso_valve_profile(request.profile);
+  SuiteResult result = run_iso_valve_suite(device, options_of(request));
   result.profile_hash = hash_of(profile_text(device.claims, ""));
   return result;
 }
@@ -241,6 +255,14 @@ const std::vector<Suite>& suites() {
        true,
        [] { return identities_of(conform::j1939_cases()); },
        ask_j1939},
+      {"iso11783-valves",
+       {Kind::can, Kind::slcan},
+       "an interface of the kernel, or an adapter",
+       {.rate = 250'000},
+       true,
+       true,
+       [] { return identities_of(conform::iso_valve_cases()); },
+       ask_iso_valves},
       {"velodyne",
        {Kind::udp},
        "ports of this machine that it sends to",
@@ -263,6 +285,43 @@ const std::vector<Suite>& suites() {
 
 const Suite& suite_of(const std::string& name) {
   return *std::ranges::find(suites(), name, &Suite::name);
+}
+
+/// Whether a suite of these cases does anything else with an option of SuiteOptions.
+bool asks_for_any(const Identities& identities, bool conform::SuiteOptions::*option) {
+  conform::SuiteOptions without{{}, true, true, true};
+  without.*option = false;
+  return std::ranges::any_of(identities, [&](const conform::CaseIdentity& each) {
+    return conform::hindrance(each, "", without).has_value();
+  });
+}
+
+/// An option that asks for cases of which the suite has none, and leave to move what is not meant.
+void check_options(const ConformRequest& request) {
+  struct Option {
+    std::string_view name;
+    bool given;
+    bool conform::SuiteOptions::*option;
+  };
+  const std::array options{
+      Option{"--writes", request.writes, &conform::SuiteOptions::writes},
+      Option{"--moves", request.moves.has_value(), &conform::SuiteOptions::moves},
+      Option{"--robustness", request.robustness, &conform::SuiteOptions::robustness}};
+  for (const Option& each : options) {
+    if (each.given && !asks_for_any(suite_of(request.suite).identities(), each.option)) {
+      std::string allowed;
+      for (const Suite& suite : suites()) {
+        if (asks_for_any(suite.identities(), each.option)) {
+          allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", suite.name);
+        }
+      }
+      refuse(std::string(each.name), request.suite, "a suite with cases for it: " + allowed);
+    }
+  }
+  if (request.moves && *request.moves != request.endpoint) {
+    refuse("--moves", *request.moves,
+           "\"" + request.endpoint + "\", the endpoint itself: its machine may move");
+  }
 }
 
 /// Of a wire as run.json tells it: "tcp 127.0.0.1:1502", "slcan PATH +1", "udp 127.0.0.1:2368", or
@@ -450,10 +509,7 @@ int conform(const ConformRequest& request, std::ostream& out, std::ostream& err)
   if (request.address && request.suite != "j1939") {
     refuse("--address", std::to_string(*request.address), "with --make-profile of j1939");
   }
-  if (!suite.sends && (request.writes || request.robustness)) {
-    refuse(request.writes ? "--writes" : "--robustness", request.suite,
-           "a suite that sends something");
-  }
+  check_options(request);
   std::vector<SuiteResult> results(1);
   Place place;
   try {

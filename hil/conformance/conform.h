@@ -23,6 +23,8 @@ struct ConformRequest {
   std::vector<std::string> wanted;
   bool writes = false;
   bool robustness = false;
+  /// The endpoint once more, as it stands there: leave to move the machine behind it.
+  std::optional<std::string> moves;
   bool allow_remote = false;
   bool list = false;                    ///< Print the cases that are wanted; ask nobody.
   bool make_profile = false;            ///< Print what the device answers to as a profile.

@@ -25,6 +25,9 @@ namespace {
 
 constexpr fields::DurationRule kSoon{1'000'000, 60'000'000'000};
 
+/// Auxiliary valves of ISO 11783 have the numbers from 0 to this.
+constexpr unsigned kLastValve = 15;
+
 constexpr std::array<Choice<SerialCharacter>, 4> kCharacters{
     {{SerialCharacter::even_8e1, "8E1", "Even parity."},
      {SerialCharacter::odd_8o1, "8O1", "Odd parity."},
@@ -330,6 +333,24 @@ void validate(const J1939Profile& p) {
   static_cast<void>(claims_of(p));
 }
 
+void visit(fields::Visitor& v, IsoValveProfile& p) {
+  v.integer("address", p.address, {0, 253}, "Source address.");
+  v.integer("first_valve", p.first_valve, {0, kLastValve}, "Number of the first auxiliary valve.");
+  v.integer("valves", p.valves, {1, kLastValve + 1}, "Auxiliary valves, numbered one by one.");
+  v.integer("function", p.function, {-1, 255}, "Function in the NAME; -1 = not claimed.");
+  v.boolean("measured_flow", p.measured_flow, "It sends measured flow.");
+  v.duration("command_timeout", p.command_timeout, {0, kSoon.upper_ns},
+             "Without a command for this long a valve goes to neutral; 0 = not claimed.");
+  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+}
+
+void validate(const IsoValveProfile& p) {
+  if (p.first_valve + p.valves > kLastValve + 1) {
+    throw std::invalid_argument(fmt::format("valves: found {} from {} on, allowed up to valve {}",
+                                            p.valves, p.first_valve, kLastValve));
+  }
+}
+
 void visit(fields::Visitor& v, VelodyneProfile& p) {
   v.text("model", p.claims.model, "As its data sheet writes it: HDL-32E; empty = by its packets.");
   v.text("return_mode", p.claims.return_mode, "strongest, last or dual; empty = not claimed.");
@@ -403,6 +424,21 @@ conform::J1939Claims read_j1939_profile(const std::string& file) {
   return claims_of(read_structure<J1939Profile>(file));
 }
 
+conform::IsoValveClaims read_iso_valve_profile(const std::string& file) {
+  const auto p = read_structure<IsoValveProfile>(file);
+  conform::IsoValveClaims claims;
+  claims.address = p.address;
+  claims.first_valve = p.first_valve;
+  claims.valves = p.valves;
+  if (p.function >= 0) {
+    claims.function = static_cast<std::uint8_t>(p.function);
+  }
+  claims.measured_flow = p.measured_flow;
+  claims.command_timeout = in_milliseconds(p.command_timeout);
+  claims.patience = in_milliseconds(p.patience);
+  return claims;
+}
+
 conform::VelodyneClaims read_velodyne_profile(const std::string& file) {
   return read_structure<VelodyneProfile>(file).claims;
 }
@@ -471,6 +507,18 @@ std::string profile_text(const conform::J1939Claims& claims, const std::string& 
          fmt::format("address: {}\nperiodic: [{}]\nrequested: [{}]\npatience: {} ms\n",
                      claims.address, names_text(periodic, 11), names_text(requested, 12),
                      claims.patience.count());
+}
+
+std::string profile_text(const conform::IsoValveClaims& claims, const std::string& endpoint) {
+  return begin_of(endpoint) +
+         (endpoint.empty() ? ""
+                           : "# The time-out of commands was not asked for: name it yourself.\n") +
+         fmt::format(
+             "address: {}\nfirst_valve: {}\nvalves: {}\nfunction: {}\nmeasured_flow: {}\n"
+             "command_timeout: {} ms\npatience: {} ms\n",
+             claims.address, claims.first_valve, claims.valves,
+             claims.function ? int{*claims.function} : -1, claims.measured_flow,
+             claims.command_timeout.count(), claims.patience.count());
 }
 
 std::string profile_text(const conform::ModbusClaims& claims, const std::string& endpoint) {

@@ -8,6 +8,7 @@
 
 #include "conform/canopen/canopen_suite.h"
 #include "conform/gige_vision/gige_vision_suite.h"
+#include "conform/iso_valves/iso_valves_suite.h"
 #include "conform/j1939/j1939_suite.h"
 #include "conform/modbus/modbus_claims.h"
 #include "conform/nmea/nmea_suite.h"
@@ -74,6 +75,20 @@ void visit(fields::Visitor& v, J1939Profile& p);
 /// Throws std::invalid_argument for what names no group or no period.
 void validate(const J1939Profile& p);
 
+/// Of a block of auxiliary valves on ISO 11783.
+struct IsoValveProfile {
+  std::uint8_t address = 0x80;
+  unsigned first_valve = 0;
+  unsigned valves = 1;
+  int function = -1;  ///< -1: not claimed.
+  bool measured_flow = true;
+  std::chrono::nanoseconds command_timeout{0};
+  std::chrono::nanoseconds patience = std::chrono::milliseconds{500};
+};
+void visit(fields::Visitor& v, IsoValveProfile& p);
+/// Throws std::invalid_argument for valves behind the last one that there is.
+void validate(const IsoValveProfile& p);
+
 /// Of a spinning lidar.
 struct VelodyneProfile {
   conform::VelodyneClaims claims;
@@ -99,6 +114,7 @@ void validate(const GigeVisionProfile& p);
 [[nodiscard]] conform::NmeaClaims read_nmea_profile(const std::string& file);
 [[nodiscard]] conform::UbxClaims read_ubx_profile(const std::string& file);
 [[nodiscard]] conform::J1939Claims read_j1939_profile(const std::string& file);
+[[nodiscard]] conform::IsoValveClaims read_iso_valve_profile(const std::string& file);
 [[nodiscard]] conform::CanopenClaims read_canopen_profile(const std::string& file);
 [[nodiscard]] conform::VelodyneClaims read_velodyne_profile(const std::string& file);
 [[nodiscard]] conform::GigeVisionClaims read_gige_vision_profile(const std::string& file);
@@ -113,6 +129,8 @@ void validate(const GigeVisionProfile& p);
 [[nodiscard]] std::string profile_text(const conform::UbxClaims& claims,
                                        const std::string& endpoint);
 [[nodiscard]] std::string profile_text(const conform::J1939Claims& claims,
+                                       const std::string& endpoint);
+[[nodiscard]] std::string profile_text(const conform::IsoValveClaims& claims,
                                        const std::string& endpoint);
 [[nodiscard]] std::string profile_text(const conform::CanopenClaims& claims,
                                        const std::string& endpoint);

@@ -1,6 +1,7 @@
 // `rigwire conform` against our devices on live wires of a rig that is started for it: receivers,
-// nodes on CAN, a lidar, a camera. The machine stands and digs nothing, so that the rig keeps up
-// with the clock; chapters that judge this machine's pace are left out.
+// nodes on CAN, a lidar, a camera. The machine digs nothing, and stands unless its valves are
+// commanded, so that the rig keeps up with the clock; chapters and cases that judge this machine's
+// pace are left out.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,6 +22,7 @@ struct Live {
   const char* device;   ///< Behind the #.
   const char* options;
   std::size_t least;  ///< Cases that pass.
+  bool moves = false;
 };
 void PrintTo(const Live& live, std::ostream* out) {
   *out << live.name;
@@ -35,8 +37,10 @@ TEST_P(ConformLive, OurDeviceFailsNowhere) {
   const Live& live = GetParam();
   const std::string rig = (wires_.folder / "rig.yaml").string();
   std::ofstream(rig) << "machine: {type: excavator, digs: false}\n" << live.devices;
-  const Conformed found = conformed(wires_.folder, std::string(live.suite) + " 'rig:" + rig + "#" +
-                                                       live.device + "' " + live.options);
+  const std::string endpoint = " 'rig:" + rig + "#" + live.device + "' ";
+  const Conformed found =
+      conformed(wires_.folder, live.suite + endpoint + live.options +
+                                   (live.moves ? " --moves" + endpoint : std::string()));
   EXPECT_EQ(found.exit_code, 0) << found.text;
   ASSERT_FALSE(found.result.is_null()) << found.text;
   EXPECT_GE(found.count("pass"), live.least) << found.text;
@@ -68,11 +72,40 @@ INSTANTIATE_TEST_SUITE_P(
              PROFILE "engine_controller.yaml --writes j1939/5.4.4 j1939/5.10.2 j1939/5.10.3 "
                      "j1939/5.10.2.4 j1939-81",
              13},
+        Live{
+            "iso_valves", "iso11783-valves",
+            "buses:\n  can: {}\ndevices:\n  valves: {type: iso-valves, bus: can, first_valve: 1}\n",
+            "valves",
+            PROFILE "iso_valves.yaml --writes iso11783-valves/NAME iso11783-valves/FUNC "
+                    "iso11783-valves/AVC/1 iso11783-valves/AVC/2 iso11783-valves/AVC/3 "
+                    "iso11783-valves/AVC/4 "
+                    "iso11783-valves/AVC/5 iso11783-valves/AVC/6 iso11783-valves/AVC/7 "
+                    "iso11783-valves/AVC/8 iso11783-valves/AVC/9 iso11783-valves/AVC/10 "
+                    "iso11783-valves/AVC/11",
+            15, true},
         Live{"velodyne_vlp_16", "velodyne", "devices:\n  lidar: {type: velodyne-vlp-16}\n", "lidar",
              "--listen 3s velodyne/data velodyne/azimuth velodyne/returns velodyne/position "
              "velodyne/time/2 velodyne/time/4 velodyne/time/6",
              25}),
     [](const auto& live) { return std::string(live.param.name); });
+
+TEST(ConformMoves, LeaveIsForThisEndpointAndForSuitesThatMove) {
+  const test::PrivateWires wires;
+  const Conformed another =
+      conformed(wires.folder,
+                "iso11783-valves can:none0 --moves can:none1 " PROFILE "iso_valves.yaml --writes");
+  EXPECT_EQ(another.exit_code, 2);
+  EXPECT_THAT(another.text,
+              testing::HasSubstr("--moves: found \"can:none1\", allowed \"can:none0\""));
+  const Conformed still = conformed(
+      wires.folder, "j1939 can:none0 --moves can:none0 " PROFILE "engine_controller.yaml");
+  EXPECT_EQ(still.exit_code, 2);
+  EXPECT_THAT(still.text, testing::HasSubstr("--moves: found \"j1939\", allowed a suite with"));
+  // With leave it comes as far as the bus, which there is not.
+  const Conformed given = conformed(
+      wires.folder, "iso11783-valves can:none0 --moves can:none0 " PROFILE "iso_valves.yaml");
+  EXPECT_EQ(given.exit_code, 3) << given.text;
+}
 
 TEST(ConformGigeVision, OurCameraFailsNowhere) {
   const test::PrivateWires wires;

@@ -88,6 +88,8 @@ TEST(Configs, every_file_is_loaded_without_a_finding) {
         EXPECT_NO_THROW((void)read_velodyne_profile(entry.path()));
       } else if (name.starts_with("gige_")) {
         EXPECT_NO_THROW((void)read_gige_vision_profile(entry.path()));
+      } else if (name.starts_with("iso_valves")) {
+        EXPECT_NO_THROW((void)read_iso_valve_profile(entry.path()));
       } else if (name.starts_with("engine_")) {
         EXPECT_NO_THROW((void)read_j1939_profile(entry.path()));
       } else {

@@ -280,7 +280,7 @@ std::optional<Url> first_url(T& trial) {
     trial.not_applicable("its description is elsewhere: " + *text);
     return std::nullopt;
   }
-  const auto url = local_url(*text);
+  auto url = local_url(*text);
   trial.expect(url.has_value(), "Local:NAME;ADDRESS;SIZE", *text);
   return url;
 }

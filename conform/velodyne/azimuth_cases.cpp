@@ -6,9 +6,6 @@
 #include "conform/velodyne/velodyne_rows.h"
 
 namespace rigwire::conform {
-
-namespace velodyne = protocols::velodyne;
-
 namespace {
 
 using Log = VelodyneLog;

@@ -476,7 +476,7 @@ INSTANTIATE_TEST_SUITE_P(
                with(emulators::DeadLaserFault{.first = 12, .last = 13})},
         Faulty{"dirt", "velodyne/data/10",
                with(emulators::DirtyWindowFault{
-                   .from_deg = 40.0, .to_deg = 60.0, .transmission = 0.0})},
+                   .from_deg = 35.0, .to_deg = 65.0, .transmission = 0.0})},
         Faulty{
             "motor_stall", "velodyne/azimuth/5",
             [](emulators::VelodyneSettings& settings) {
@@ -484,7 +484,7 @@ INSTANTIATE_TEST_SUITE_P(
             }},
         Faulty{"pulse_loss", "velodyne/pulse/3", with(emulators::PulseLossFault{})},
         Faulty{"pulse_noise", "velodyne/pulse/2", with(emulators::PulseNoiseFault{})},
-        Faulty{"sentence_loss", "velodyne/sentence/3", with(emulators::SentenceLossFault{})},
+        Faulty{"sentence_loss", "velodyne/sentence/14", with(emulators::SentenceLossFault{})},
         Faulty{"wrong_time", "velodyne/sentence/13",
                with(emulators::ClockOffsetFault{.offset_s = 1.0})},
         Faulty{"hour_overrun", "velodyne/time/1",
@@ -492,7 +492,7 @@ INSTANTIATE_TEST_SUITE_P(
         Faulty{"factory_bytes", "velodyne/returns/1", with(emulators::FactoryBytesFault{})},
         Faulty{"off", "velodyne/time/5",
                [](emulators::VelodyneSettings& settings) {
-                 settings.start_up = seconds{1};
+                 settings.start_up = std::chrono::milliseconds{500};
                  settings.supply_faults = {{{seconds{2}, seconds{1}}, emulators::NoSupplyFault{}}};
                }}),
     [](const auto& faulty) { return std::string(faulty.param.name); });

@@ -203,6 +203,7 @@ def neighbours(beside):
     os.close(ready)
     select.select([is_ready], [], [], 120)
     os.close(is_ready)
+    time.sleep(5)  # receivers boot for two seconds, and their first fixes wander
     running += [Running(program, program.split()[0]) for program in beside[1:]]
     return running
 

@@ -144,7 +144,8 @@ TEST_F(CampaignProcess, what_was_killed_is_run_again_and_nothing_else) {
 TEST_F(CampaignProcess, a_run_that_does_not_end_is_ended_and_not_judged) {
   std::ofstream(folder_ / "campaign.yaml")
       << "rig: rig.yaml\nclock: real\nduration: 10 min\npatience: 2 s\n"
-         "program: [sh, -c, \"for child in $(cat /proc/$PPID/task/$PPID/children); do test $child = "
+         "program: [sh, -c, \"for child in $(cat /proc/$PPID/task/$PPID/children); do test $child "
+         "= "
          "$$ || kill -STOP $child; done; exec sleep 600\"]\n"
          "criteria: {ended: {type: program_exit}}\n";
   const Done done = rigwire(run("0"));

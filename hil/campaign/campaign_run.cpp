@@ -243,9 +243,8 @@ class CampaignRun {
       const auto left = std::chrono::ceil<milliseconds>(limit - steady_clock::now());
       if (!first_of(signals, {asked.descriptor(), rig.descriptor(), other},
                     std::max(left, milliseconds{0}))) {
-        throw NotJudged(
-            fmt::format("not done within its patience, {}",
-                        fields::print_duration(campaign.patience.count())));
+        throw NotJudged(fmt::format("not done within its patience, {}",
+                                    fields::print_duration(campaign.patience.count())));
       }
     };
     std::optional<Asked> until;  // joined when the rig has ended

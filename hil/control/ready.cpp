@@ -47,8 +47,7 @@ void tell_ready(int descriptor, const std::string& line) {
 
 ReadyPipe::ReadyPipe() : ReadyPipe(opened_pipe()) {}
 
-ReadyPipe::ReadyPipe(std::array<int, 2> ends)
-    : heard_(ends[0]), written_(std::in_place, ends[1]) {}
+ReadyPipe::ReadyPipe(std::array<int, 2> ends) : heard_(ends[0]), written_(std::in_place, ends[1]) {}
 
 std::optional<std::string> ReadyPipe::hear() {
   std::array<char, 4096> bytes{};

@@ -56,16 +56,19 @@ std::vector<ConfigFile> config_files(const std::string& kind) {
           !seen.insert(path.stem().string()).second) {
         continue;
       }
-      Problems problems;
-      const Value document = load_document(path.string(), problems);
-      const Value* text = document.find("text");
-      files.push_back(
-          {path.stem().string(), text == nullptr ? "" : printable(text->scalar), path.string()});
+      files.push_back({path.stem().string(), path.string()});
     }
   }
   std::sort(files.begin(), files.end(),
             [](const ConfigFile& a, const ConfigFile& b) { return a.name < b.name; });
   return files;
+}
+
+std::string text_of(const ConfigFile& file) {
+  Problems problems;
+  const Value document = load_document(file.path, problems);
+  const Value* text = document.find("text");
+  return text == nullptr ? "" : printable(text->scalar);
 }
 
 std::string find_rig(const std::string& rig) {

@@ -10,7 +10,6 @@ namespace rigwire::hil {
 /// One file of a kind ("rigs", "machines", "scenes").
 struct ConfigFile {
   std::string name;  ///< Without folder and ending: "excavator_pit".
-  std::string text;  ///< Its `text` key; empty when it has none.
   std::string path;
 };
 
@@ -21,6 +20,9 @@ struct ConfigFile {
 
 /// All files of the kind, sorted by name; a name that two folders have counts once.
 [[nodiscard]] std::vector<ConfigFile> config_files(const std::string& kind);
+
+/// Its `text` key, which is read now; empty when it has none.
+[[nodiscard]] std::string text_of(const ConfigFile& file);
 
 /// The file that `rig` means: a path relative to the working folder, else a name in the folders.
 /// Throws ConfigurationError with what was tried and the nearest names.

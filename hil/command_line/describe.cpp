@@ -216,7 +216,8 @@ int describe_verb(const std::string& device, bool json, Terminal terminal) {
   const std::vector<ConfigFile> machines = config_files("machines");
   if (const ConfigFile* file = named_file(machines, device)) {
     const auto machine = load_file<MachineConfiguration>(*file);
-    return describe_machine({file->name, file->text}, machine, reference_text(outline(machine)),
+    const std::string text = text_of(*file);
+    return describe_machine({file->name, text}, machine, reference_text(outline(machine)),
                             json, terminal);
   }
   const std::vector<ConfigFile> scenes = config_files("scenes");
@@ -226,7 +227,7 @@ int describe_verb(const std::string& device, bool json, Terminal terminal) {
     const SceneConfiguration scene =
         any ? SceneConfiguration{} : load_file<SceneConfiguration>(*file);
     return tell({{"type", device},
-                 {"text", any ? "What scenes are made of: every key there is." : file->text},
+                 {"text", any ? "What scenes are made of: every key there is." : text_of(*file)},
                  {"page", "docs/scenes.md"},
                  {"keys", reference_text(any ? reference_outline(scene) : outline(scene))}},
                 "a scene file", json, terminal);

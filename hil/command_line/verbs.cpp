@@ -231,8 +231,9 @@ int list_verb(const std::string& kind, bool json, Terminal terminal) {
     }
   } else {
     for (const ConfigFile& file : config_files(kind)) {
-      rows.push_back({file.name, file.text, file.path});
-      list.push_back({{"name", file.name}, {"text", file.text}, {"path", file.path}});
+      const std::string text = text_of(file);
+      rows.push_back({file.name, text, file.path});
+      list.push_back({{"name", file.name}, {"text", text}, {"path", file.path}});
     }
   }
   terminal.out << (json ? list.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"

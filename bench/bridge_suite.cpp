@@ -1,12 +1,15 @@
 // The bridge as an instrument: how soon a run is ready, what a step costs, what recording costs,
-// and how many runs a machine does.
+// how far a day's replay drifts, and how many runs a machine does.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -22,6 +25,7 @@
 #include "bench/table.h"
 #include "drivers/http_server.h"
 #include "hil/files/private_folder.h"
+#include "hil/files/replay_reader.h"
 #include "hil/record/motion_line.h"
 #include "hil/rig/rig.h"
 
@@ -244,6 +248,89 @@ nlohmann::json measure_motion(std::ostream& text) {
   return {{"us", 1e-3 * found.ns}, {"bytes", found.bytes}, {"core", core}, {"mb_per_s", mb_s}};
 }
 
+/// Of the log that is replayed: at no multiple of a slice, a little more than a second apart.
+constexpr std::int64_t kLoggedEvery_us = 1'007'919;
+constexpr int kLoggedFrames = 86'400;
+constexpr std::int64_t kLoggedFrom_us = 1'748'764'800'000'000;  // 2025-06-01 08:00 UTC
+constexpr double kGoalDriftAnHour_us = 1000.0;
+
+void write_replay_rig(const std::filesystem::path& folder) {
+  std::ofstream log(folder / "day.log");
+  for (int i = 0; i < kLoggedFrames; ++i) {
+    const std::int64_t at_us = kLoggedFrom_us + i * kLoggedEvery_us;
+    log << fmt::format("({}.{:06}) can0 18FEF1FE#{:016X}\n", at_us / 1'000'000, at_us % 1'000'000,
+                       i);
+  }
+  std::ofstream(folder / "rig.yaml")
+      << fmt::format(R"(machine: {{type: wheeled, wheeled: {{level: kinematic}}}}
+step: 10 ms
+slice: 20 ms
+lead: 40 ms
+buses: {{can: {{wire: slcan, path: {}}}}}
+devices:
+  log: {{type: replay, source: {{file: day.log}}, wire: can, bus: can}}
+)",
+                     (folder / "can").string());
+}
+
+/// A log of a day replayed onto a bus and recorded from it: how the instants of both part. The
+/// first frame is no measure, for it cannot be complete at the run's very start.
+nlohmann::json measure_replay(std::ostream& text) {
+  const hil::PrivateFolder folder("bench");
+  write_replay_rig(folder.path());
+  const std::filesystem::path recording = folder.path() / "recording";
+  const std::int64_t logged_s = kLoggedFrames * kLoggedEvery_us / 1'000'000 + 1;
+  const double wall_s = seconds_of([&] {
+    IsolatedRun run(folder.path() / "run",
+                    {"--clock", "free", "--duration", fmt::format("{}s", logged_s), "--record",
+                     recording.string(), "--only", "can"},
+                    (folder.path() / "rig.yaml").string());
+    require_done(run.wait());
+  });
+  const auto reader_of = [](const std::filesystem::path& file) {
+    hil::ReplaySourceSettings source;
+    source.file = file.string();
+    return hil::open_replay_reader(source);
+  };
+  const auto logged = reader_of(folder.path() / "day.log");
+  const auto replayed = reader_of(recording / "wires" / "can.log");
+  hil::ReplayedUnit was;
+  hil::ReplayedUnit is;
+  std::int64_t was_ns = 0;
+  std::int64_t is_ns = 0;
+  int frames = 0;
+  int differ = 0;
+  double first_us = 0.0;
+  double drift_us = 0.0;  // of the last
+  double most_us = 0.0;
+  while (logged->next(was_ns, was) && replayed->next(is_ns, is)) {
+    ++frames;
+    differ += was.frame == is.frame ? 0 : 1;
+    const double late_us = 1e-3 * static_cast<double>(is_ns - was_ns);
+    first_us = frames == 2 ? late_us : first_us;
+    if (frames > 1) {
+      drift_us = late_us - first_us;
+      most_us = std::max(most_us, std::abs(drift_us));
+    }
+  }
+  const int lost = kLoggedFrames - frames;
+  const double hours = static_cast<double>(logged_s) / 3600.0;
+  text << fmt::format(
+      "replay of {:.1f} h, {} frames: {} lost, {} differ; drift {:.1f} us at the end, {:.1f} us at "
+      "most; goal < {:g} us an hour: {}; {:.0f} times real time\n",
+      hours, kLoggedFrames, lost, differ, drift_us, most_us, kGoalDriftAnHour_us,
+      lost == 0 && differ == 0 && most_us < kGoalDriftAnHour_us * hours ? "reached" : "MISSED",
+      static_cast<double>(logged_s) / wall_s);
+  return {{"hours", hours},
+          {"frames", kLoggedFrames},
+          {"lost", lost},
+          {"differ", differ},
+          {"drift_us", drift_us},
+          {"max_us", most_us},
+          {"goal_us_per_hour", kGoalDriftAnHour_us},
+          {"wall_s", wall_s}};
+}
+
 nlohmann::json measure_many(std::ostream& text) {
   const Table table(text, {{"runs of 2 s", "<16"},
                            {"runs/min", ">10"},
@@ -304,6 +391,7 @@ nlohmann::json bench_bridge(std::ostream& text) {
   json["round_trips"] = measure_steps(text);
   json["recording"] = measure_recording(text);
   json["motion"] = measure_motion(text);
+  json["replay"] = measure_replay(text);
   json["many"] = measure_many(text);
   return json;
 }

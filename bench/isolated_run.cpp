@@ -20,8 +20,6 @@
 #include <system_error>
 #include <utility>
 
-#include "bench/private_rig.h"
-
 namespace rigwire::bench {
 namespace {
 
@@ -45,17 +43,19 @@ IsolatedRun::Pipe IsolatedRun::open_pipe() {
   return {ends[0], ends[1]};
 }
 
-IsolatedRun::IsolatedRun(fs::path folder, const std::vector<std::string>& arguments)
-    : IsolatedRun(std::move(folder), arguments, open_pipe()) {}
+IsolatedRun::IsolatedRun(fs::path folder, const std::vector<std::string>& arguments,
+                         const std::string& rig)
+    : IsolatedRun(std::move(folder), arguments, rig, open_pipe()) {}
 
-IsolatedRun::IsolatedRun(fs::path folder, const std::vector<std::string>& arguments, Pipe pipe)
+IsolatedRun::IsolatedRun(fs::path folder, const std::vector<std::string>& arguments,
+                         const std::string& rig, Pipe pipe)
     : folder_(std::move(folder)), ready_(pipe.read_end) {
   const drivers::Descriptor told(pipe.write_end);
   constexpr int kTold = 3;  // what the child knows it as
   const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "rigwire";
   std::vector<std::string> words{
-      program.string(), "run",         kBenchRig, "--isolated", folder_.string(),     "--status",
-      "none",           "--log-level", "error",   "--ready-fd", std::to_string(kTold)};
+      program.string(), "run",         rig,     "--isolated", folder_.string(),     "--status",
+      "none",           "--log-level", "error", "--ready-fd", std::to_string(kTold)};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) {

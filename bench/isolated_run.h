@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/private_rig.h"
 #include "drivers/descriptor.h"
 
 namespace rigwire::bench {
@@ -21,9 +22,10 @@ class IsolatedRun {
     double peak_rss_mb = 0.0;  ///< 1e6 bytes.
   };
 
-  /// Starts kBenchRig with `arguments`; its folder is `folder`, new or empty. Throws
+  /// Starts `rig`, a name or a file, with `arguments`; its folder is `folder`, new or empty. Throws
   /// std::system_error.
-  IsolatedRun(std::filesystem::path folder, const std::vector<std::string>& arguments);
+  IsolatedRun(std::filesystem::path folder, const std::vector<std::string>& arguments,
+              const std::string& rig = kBenchRig);
   /// Ends it whatever it does.
   ~IsolatedRun();
   IsolatedRun(const IsolatedRun&) = delete;
@@ -43,7 +45,8 @@ class IsolatedRun {
     int write_end = -1;
   };
   static Pipe open_pipe();
-  IsolatedRun(std::filesystem::path folder, const std::vector<std::string>& arguments, Pipe pipe);
+  IsolatedRun(std::filesystem::path folder, const std::vector<std::string>& arguments,
+              const std::string& rig, Pipe pipe);
 
   std::filesystem::path folder_;
   drivers::Descriptor ready_;

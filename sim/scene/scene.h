@@ -158,7 +158,7 @@ class Scene final : public Visibility {
   CanopyId add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM);
 
   /// Set-up of a terrain that will be dug: it is kept in tiles from now on, so that a change
-  /// rebuilds only where it happened. Rays meet the same triangles as before. Throws
+  /// costs only where it happened. Rays meet the same triangles as before. Throws
   /// std::invalid_argument when `terrain` is no terrain.
   void make_changeable(InstanceId terrain);
   /// Least simulated time between two changes that the rays see, 0 at the start: every slice.

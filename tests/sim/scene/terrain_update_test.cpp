@@ -72,6 +72,38 @@ TEST(TerrainUpdate, RaysSeeTheHoleWhereTheHeightsHaveIt) {
   EXPECT_EQ(scene.material(hit->instance).label, "pit");
 }
 
+TEST(TerrainUpdate, DugManyTimesItIsMetFromAllSidesAsIfItHadBeenSoFromTheStart) {
+  HeightField field = rough(Vector3d::Zero());
+  Scene dug;
+  const auto terrain = dug.add_terrain(field, {});
+  dug.make_changeable(terrain);
+  begin(dug, 0);
+  for (int time = 1; time <= 20; ++time) {  // 30 m deep
+    dug.update_terrain(terrain, field, dig(field));
+    begin(dug, 10 * time);
+  }
+  Scene fresh;
+  fresh.make_changeable(fresh.add_terrain(field, {}));
+  begin(fresh, 0);
+  RandomStream random(5, "sides");
+  int met = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const Vector3d from(random.uniform(-19.0, 19.0), random.uniform(-19.0, 19.0),
+                        random.uniform(-40.0, 5.0));
+    const Vector3d along =
+        Vector3d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0))
+            .normalized();
+    const auto expected = fresh.cast(from, along, 0.0, 1e3, kStart);
+    const auto found = dug.cast(from, along, 0.0, 1e3, kStart);
+    ASSERT_EQ(found.has_value(), expected.has_value()) << from.transpose();
+    if (found) {
+      ++met;
+      ASSERT_NEAR(found->range_m, expected->range_m, 1e-4) << from.transpose();
+    }
+  }
+  EXPECT_GT(met, 5'000);
+}
+
 TEST(TerrainUpdate, FarFromTheMapOriginAndAfterTheFocusMoved) {
   const Vector3d centre(1e6, -5e5, 300.0);
   HeightField field = rough(centre);

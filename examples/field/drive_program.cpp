@@ -193,7 +193,7 @@ void DriveProgram::take_fixes() {
   const PlanePosition antenna = plane_->to_plane({fix.latitude_deg, fix.longitude_deg});
   if (estimator_.started()) {
     estimator_.position(antenna);
-  } else if (state_ == State::settling) {
+  } else if (state_ == State::settling && fix_kind(fix.quality) >= options_.least_fix) {
     settling_sum_.east_m += antenna.east_m;
     settling_sum_.north_m += antenna.north_m;
     ++settling_count_;
@@ -203,6 +203,13 @@ void DriveProgram::take_fixes() {
 void DriveProgram::settle() {
   orders_ = mission_.halt(vehicle_.readings(), std::abs(speed_mps()) < kAtRest_mps);
   if (settling_count_ < kSettlingFixes) {
+    if (ticks_ % (2 * kTicksPerSecond) == 0) {
+      const auto word = [](FixKind kind) {
+        return std::string(kFixKinds[static_cast<std::size_t>(kind)]);
+      };
+      say("waiting for a position, at least " + word(options_.least_fix) + "; it is " +
+          word(fix_kind(gnss_.fix().quality)));
+    }
     return;
   }
   const PlanePosition mean{settling_sum_.east_m / settling_count_,

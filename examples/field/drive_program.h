@@ -9,6 +9,7 @@
 // stands with its parking brake on, or 6 s after it began to stop.
 #pragma once
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -38,6 +39,7 @@ namespace rigwire::field {
 struct DriveOptions {
   std::string gnss = "/tmp/rigwire/gnss";
   std::uint32_t gnss_baud = 115200;
+  FixKind least_fix = FixKind::autonomous;  ///< With which the drive begins.
   std::string can = "auto";
   std::optional<std::uint16_t> lidar_port;  ///< Nothing: there is no lidar.
   std::string lidar_address = "127.0.0.1";
@@ -68,6 +70,8 @@ inline constexpr std::string_view kDriveUsage = R"(wires
 fitting
   --antenna X,Y           GNSS antenna ahead and left of the odometry's reference point, m
   --gnss-sigma M          of a position, per axis                  (1.5)
+  --gnss-fix KIND         of the positions it begins with, at least: autonomous,
+                          differential, float, fixed               (autonomous)
   --gnss-age S            from its measurement to its arrival      (0.15)
 output
   --duration S            stop after S seconds
@@ -163,6 +167,13 @@ Options parse_drive(std::span<const std::string_view> arguments, Setters<Options
   };
   setters["--gnss-sigma"] = [](Options& o, auto n, auto v) {
     o.estimator.gnss_sigma_m = number(n, v, 0.005, 100, "metres, 0.005..100");
+  };
+  setters["--gnss-fix"] = [](Options& o, auto n, auto v) {
+    const auto kind = std::find(kFixKinds.begin() + 1, kFixKinds.end(), v);
+    if (kind == kFixKinds.end()) {
+      refuse(n, v, "autonomous, differential, float or fixed");
+    }
+    o.least_fix = static_cast<FixKind>(kind - kFixKinds.begin());
   };
   setters["--gnss-age"] = [](Options& o, auto n, auto v) {
     o.estimator.gnss_age_s = number(n, v, 0, 2, "seconds, 0..2");

@@ -9,6 +9,21 @@ namespace rigwire::field {
 
 namespace nmea = protocols::nmea;
 
+FixKind fix_kind(int quality) {
+  switch (quality) {
+    case 0:
+      return FixKind::none;
+    case 2:
+      return FixKind::differential;
+    case 5:
+      return FixKind::float_ambiguities;
+    case 4:
+      return FixKind::fixed;
+    default:
+      return FixKind::autonomous;
+  }
+}
+
 GnssWire::GnssWire(std::function<void()> heard) : heard_(std::move(heard)) {}
 
 void GnssWire::receive(std::span<const std::uint8_t> bytes) {

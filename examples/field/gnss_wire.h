@@ -4,18 +4,28 @@
 // skipped.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "protocols/nmea/sentence.h"
 
 namespace rigwire::field {
 
+/// Kinds of positions, the better the later.
+enum class FixKind : std::uint8_t { none, autonomous, differential, float_ambiguities, fixed };
+inline constexpr std::array<std::string_view, 5> kFixKinds{"none", "autonomous", "differential",
+                                                           "float", "fixed"};
+/// By GGA's quality; what it does not say of corrections, estimated and simulated too, is
+/// `autonomous`.
+[[nodiscard]] FixKind fix_kind(int quality);
+
 struct GnssFixBelief {
-  int quality = 0;  ///< GGA: 0 no fix, 1 GNSS, 2 differential.
+  int quality = 0;  ///< As GGA has it.
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
   double altitude_m = 0.0;  ///< Above mean sea level.

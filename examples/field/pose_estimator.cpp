@@ -37,6 +37,7 @@ void PoseEstimator::start(const PlanePosition& antenna, double heading_rad,
   p_[kHeading][kHeading] = square(heading_sigma_rad);
   p_[kBias][kBias] = square(settings_.bias_sigma_radps);
   p_[kScale][kScale] = square(settings_.scale_sigma);
+  since_fix_s_ = 0.0;
   started_ = true;
 }
 

@@ -153,6 +153,16 @@ TEST_F(DriveProgramProcess, ATrunkBesideTheWayDoesNotStopIt) {
   EXPECT_GT(rig.plant.position.east_m, 22.0);
 }
 
+TEST_F(DriveProgramProcess, DoesNotBeginOnPositionsOfALesserKindThanItNeeds) {
+  start("path_follow", {"--path", path(), "--gnss-fix", "differential"});
+  ASSERT_TRUE(until([&] { return messages().find("it is autonomous") != std::string::npos; }))
+      << messages();
+  EXPECT_THAT(messages(), HasSubstr("waiting for a position, at least differential"));
+  EXPECT_FALSE(rig.moving());
+  rig.differential = true;
+  EXPECT_TRUE(until([&] { return rig.moving(); })) << messages();
+}
+
 TEST_F(DriveProgramProcess, ALidarThatFallsSilentStopsIt) {
   auto arguments = rig.lidar_arguments();
   arguments.insert(arguments.end(), {"--path", path(), "--speed", "1"});
@@ -200,6 +210,9 @@ TEST_F(DriveProgramProcess, SaysWhatIsWrongWithTheCommandLine) {
   start("path_follow", {});
   EXPECT_EQ(end(), 2);
   EXPECT_THAT(messages(), HasSubstr("--path: missing"));
+  start("path_follow", {"--path", path(), "--gnss-fix", "rtk"});
+  EXPECT_EQ(end(), 2);
+  EXPECT_THAT(messages(), HasSubstr("--gnss-fix: found 'rtk', allowed autonomous, differential"));
   start("roll_lane", {"--side", "up"});
   EXPECT_EQ(end(), 2);
   EXPECT_THAT(messages(), HasSubstr("--side: found 'up', allowed left or right"));

@@ -168,6 +168,15 @@ TEST(FieldPoseEstimator, AMachineWithoutFixesIsLostWhenItMayBeTooFarOff) {
   EXPECT_GE(2.0 * estimator.pose().position_sigma_m, kAllowed_m);
 }
 
+TEST(FieldPoseEstimator, AMachineThatWaitedLongForItsFirstFixIsNotLostForThat) {
+  PoseEstimator estimator({.gnss_sigma_m = 2.5});
+  for (int i = 0; i < 60 * 50; ++i) {
+    estimator.advance(kStep_s, 0.0, 0.0, 0.0);
+  }
+  estimator.start({}, 0.0, 0.1);
+  EXPECT_EQ(lost(estimator.pose(), 3.5), std::nullopt);
+}
+
 TEST(FieldPoseEstimator, OneWildFixIsNotBelievedManyAre) {
   PoseEstimator estimator(prompt());
   estimator.start({0, 0}, 0.0, 0.1);

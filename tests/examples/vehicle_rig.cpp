@@ -199,6 +199,7 @@ void VehicleRig::send_gnss() {
   epoch.time = nmea::TimeOfDay{8, 0, 0, 0};
   epoch.date = nmea::Date{2026, 6, 1};
   epoch.fix_dimensions = 3;
+  epoch.differential = differential;
   const LatLon place = plane_.to_geodetic(plant.position);
   epoch.latitude_deg = place.latitude_deg;
   epoch.longitude_deg = place.longitude_deg;

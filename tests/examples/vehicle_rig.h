@@ -46,6 +46,7 @@ class VehicleRig : private emulators::FrameOutput {
   };
   std::optional<Trunk> trunk;
   Mute mute;
+  bool differential = false;  ///< Of the receiver's positions.
   VehiclePlant plant;
 
   [[nodiscard]] const emulators::VehicleGateway& gateway() const { return *gateway_; }

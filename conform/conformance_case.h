@@ -22,7 +22,7 @@ enum class Strength : std::uint8_t {
 enum class Danger : std::uint8_t {
   none,    ///< Reads, or asks for what has to be refused.
   writes,  ///< Changes what the profile says may be changed, and puts it back.
-  moves    ///< A machine may move by it.
+  moves    ///< A machine may move by it, or a device be left that has to be switched off and on.
 };
 
 enum class Verdict : std::uint8_t {

@@ -11,8 +11,11 @@ std::optional<CaseResult> hindrance(const CaseIdentity& identity, const std::str
     return CaseResult{identity, Verdict::skipped, "", "it writes; asked for by --writes", {}};
   }
   if (identity.danger == Danger::moves && !options.moves) {
-    return CaseResult{
-        identity, Verdict::skipped, "", "a machine may move; asked for by --moves ENDPOINT", {}};
+    return CaseResult{identity,
+                      Verdict::skipped,
+                      "",
+                      "a machine may move, or the device be lost; asked for by --moves ENDPOINT",
+                      {}};
   }
   if (identity.id.find("/robustness/") != std::string::npos && !options.robustness) {
     return CaseResult{

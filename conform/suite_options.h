@@ -13,7 +13,7 @@ struct SuiteOptions {
   std::vector<std::string> wanted;  ///< Identities or their beginnings; empty: all.
   bool writes = false;
   bool robustness = false;  ///< The chapter of that name, which is no conformance.
-  bool moves = false;       ///< Cases by which a machine may move.
+  bool moves = false;       ///< Cases by which a machine may move, or a device be lost.
 };
 
 /// What keeps a case from being tried, as its result; nothing when nothing does. `missing` is what

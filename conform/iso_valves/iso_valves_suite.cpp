@@ -192,14 +192,8 @@ void limits_agree(T& trial, const Claims& claims) {
 
 // --- who it is ---
 
-std::optional<Bytes> name_of(T& trial) {
-  trial.drain();
-  const auto found = trial.request(T::kClaim) ? trial.claim() : std::nullopt;
-  return found ? std::optional(found->data) : std::nullopt;
-}
-
 void industry_group(T& trial, const Claims& /*claims*/) {
-  if (const auto name = name_of(trial)) {
+  if (const auto name = trial.name()) {
     const unsigned group = (*name)[7] >> 4U & 7U;
     trial.expect(group == 2 || group == 0, "industry group 2 (agriculture and forestry) or 0",
                  std::to_string(group));
@@ -207,14 +201,14 @@ void industry_group(T& trial, const Claims& /*claims*/) {
 }
 
 void arbitrary_address(T& trial, const Claims& /*claims*/) {
-  if (const auto name = name_of(trial)) {
+  if (const auto name = trial.name()) {
     trial.expect(((*name)[7] & 0x80U) != 0, "a node that can take another address",
                  "one that cannot");
   }
 }
 
 void function(T& trial, const Claims& claims) {
-  if (const auto name = name_of(trial)) {
+  if (const auto name = trial.name()) {
     trial.expect((*name)[5] == *claims.function, "function " + std::to_string(*claims.function),
                  std::to_string((*name)[5]));
   }
@@ -646,7 +640,7 @@ IsoValveClaims survey_iso_valves(const IsoValveDevice& device) {
   claims.valves = static_cast<unsigned>(std::find(first, estimated.end(), false) - first);
   node.claims.address = claims.address;
   T trial({}, node);
-  if (const auto name = name_of(trial)) {
+  if (const auto name = trial.name()) {
     claims.function = (*name)[5];
   }
   return claims;

@@ -30,28 +30,22 @@ void claims_when_asked(T& trial, std::uint8_t destination) {
   }
 }
 
-std::optional<Bytes> name_of(T& trial) {
-  trial.drain();
-  const auto found = trial.request(T::kClaim) ? trial.claim() : std::nullopt;
-  return found ? std::optional(found->data) : std::nullopt;
-}
-
 void same_name(T& trial) {
-  const auto one = name_of(trial);
-  const auto two = one ? name_of(trial) : std::nullopt;
+  const auto one = trial.name();
+  const auto two = one ? trial.name() : std::nullopt;
   if (two) {
     trial.expect(*one == *two, "the same NAME again", hex_text(*two));
   }
 }
 
 void reserved_bit(T& trial) {
-  if (const auto name = name_of(trial)) {
+  if (const auto name = trial.name()) {
     trial.expect(((*name)[6] & 1U) == 0, "bit 48 of the NAME 0", hex_text(*name));
   }
 }
 
 void defends(T& trial) {
-  const auto name = name_of(trial);
+  const auto name = trial.name();
   if (!name) {
     return;
   }

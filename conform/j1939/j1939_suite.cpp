@@ -45,7 +45,9 @@ milliseconds rounded(double period_ms) {
 
 std::vector<J1939Case> j1939_cases() {
   std::vector<J1939Case> all;
-  for (auto* chapter : {j1939_network_cases, j1939_transport_cases, j1939_group_cases}) {
+  // Last whose node may not be there behind them.
+  for (auto* chapter :
+       {j1939_network_cases, j1939_transport_cases, j1939_group_cases, j1939_loss_cases}) {
     std::ranges::move(chapter(), std::back_inserter(all));
   }
   return all;
@@ -54,6 +56,7 @@ std::vector<J1939Case> j1939_cases() {
 SuiteResult run_j1939_suite(J1939Device& device, const SuiteOptions& options) {
   SuiteResult result;
   result.suite = "j1939";
+  device.lost.clear();
   open_line(device);
   for (const J1939Case& each : j1939_cases()) {
     if (!is_wanted(each.identity.id, options.wanted)) {
@@ -64,7 +67,11 @@ SuiteResult run_j1939_suite(J1939Device& device, const SuiteOptions& options) {
       continue;
     }
     J1939Trial trial(each.identity, device);
-    each.run(trial);
+    if (device.lost.empty()) {
+      each.run(trial);
+    } else {
+      trial.broken(device.lost);
+    }
     result.cases.push_back(trial.result());
   }
   device.line.reset();

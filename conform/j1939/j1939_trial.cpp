@@ -86,13 +86,20 @@ std::optional<J1939Heard> J1939Trial::hear(std::initializer_list<std::uint32_t> 
                                            std::chrono::nanoseconds within,
                                            std::optional<std::uint8_t> destination) {
   const auto deadline = now() + within;
-  while (const auto frame = device_->line->receive(deadline)) {
-    auto heard = take_apart(*frame);
-    if (heard && heard->source == claims().address &&
-        std::ranges::find(pgns, heard->pgn) != pgns.end() &&
+  while (auto heard = hear_anybody(deadline)) {
+    if (heard->source == claims().address && std::ranges::find(pgns, heard->pgn) != pgns.end() &&
         (destination ? heard->destination == *destination
                      : heard->destination == kEverybody || heard->destination == kOwnAddress)) {
       show(*heard);
+      return heard;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<J1939Heard> J1939Trial::hear_anybody(CanLine::Clock::time_point deadline) {
+  while (const auto frame = device_->line->receive(deadline)) {
+    if (auto heard = take_apart(*frame)) {
       return heard;
     }
   }
@@ -103,9 +110,8 @@ std::vector<J1939Heard> J1939Trial::listen(std::chrono::nanoseconds span) {
   std::vector<J1939Heard> all;
   drain();
   const auto begin = now();
-  while (const auto frame = device_->line->receive(begin + span)) {
-    auto heard = take_apart(*frame);
-    if (heard && heard->source == claims().address) {
+  while (auto heard = hear_anybody(begin + span)) {
+    if (heard->source == claims().address) {
       heard->at = now() - begin;
       all.push_back(std::move(*heard));
     }
@@ -126,6 +132,17 @@ std::optional<J1939Heard> J1939Trial::claim() {
     return std::nullopt;
   }
   return found;
+}
+
+std::optional<std::vector<std::uint8_t>> J1939Trial::name() {
+  drain();
+  const auto found = request(kClaim) ? claim() : std::nullopt;
+  return found ? std::optional(found->data) : std::nullopt;
+}
+
+void J1939Trial::lost(const std::string& reason) {
+  note(reason);
+  device_->lost = reason;
 }
 
 bool J1939Trial::silent(std::initializer_list<std::uint32_t> pgns, const std::string& about) {

@@ -37,6 +37,7 @@ struct J1939Device {
   std::function<std::unique_ptr<CanLine>()> open;  ///< May throw Unreachable.
   J1939Claims claims;
   std::unique_ptr<CanLine> line;
+  std::string lost;  ///< Why it is not at its address any more; empty: it is.
 };
 
 /// Opens the bus, and claims the suite's own address there. Throws Unreachable.
@@ -81,6 +82,8 @@ class J1939Trial : public Trial {
   [[nodiscard]] std::optional<J1939Heard> hear(std::initializer_list<std::uint32_t> pgns,
                                                std::chrono::nanoseconds within,
                                                std::optional<std::uint8_t> destination = {});
+  /// The next frame of 29 bits, whoever sends it; nothing by the deadline.
+  [[nodiscard]] std::optional<J1939Heard> hear_anybody(CanLine::Clock::time_point deadline);
   /// All of the node in this time.
   [[nodiscard]] std::vector<J1939Heard> listen(std::chrono::nanoseconds span);
   /// What has come so far is forgotten.
@@ -89,10 +92,14 @@ class J1939Trial : public Trial {
 
   /// A claim of the node; nothing when none came, which is found.
   [[nodiscard]] std::optional<J1939Heard> claim();
+  /// The NAME that it tells when it is asked; nothing when it does not, which is found.
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> name();
   /// No frame of these groups within the patience.
   bool silent(std::initializer_list<std::uint32_t> pgns, const std::string& about);
   /// A control message of transport to the node.
   bool control(std::vector<std::uint8_t> bytes, std::uint32_t pgn, const std::string& words);
+  /// The node is not at its address any more, and no case behind this one can be tried.
+  void lost(const std::string& reason);
 
  private:
   J1939Device* device_;
@@ -113,6 +120,7 @@ struct J1939Case {
 [[nodiscard]] std::vector<J1939Case> j1939_network_cases();
 [[nodiscard]] std::vector<J1939Case> j1939_transport_cases();
 [[nodiscard]] std::vector<J1939Case> j1939_group_cases();
+[[nodiscard]] std::vector<J1939Case> j1939_loss_cases();
 
 /// Of the groups that the suite knows, those of more than eight bytes.
 [[nodiscard]] std::optional<std::uint32_t> long_group_of(const J1939Claims& claims);

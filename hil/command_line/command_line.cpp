@@ -457,7 +457,9 @@ void declare(CLI::App& app, Parsed& parsed) {
       ->excludes(make);
   conform_app
       ->add_option("--moves", conform.moves,
-                   "Also cases by which a machine may move: the endpoint once more, word by word")
+                   "Also cases by which a machine may move, or a device be lost until it is "
+                   "switched off and "
+                   "on: the endpoint once more, word by word")
       ->excludes(make)
       ->excludes(listed);
   conform_app

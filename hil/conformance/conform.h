@@ -23,7 +23,8 @@ struct ConformRequest {
   std::vector<std::string> wanted;
   bool writes = false;
   bool robustness = false;
-  /// The endpoint once more, as it stands there: leave to move the machine behind it.
+  /// The endpoint once more, as it stands there: leave to move the machine behind it,
+  /// or to lose the device.
   std::optional<std::string> moves;
   bool allow_remote = false;
   bool list = false;                    ///< Print the cases that are wanted; ask nobody.

@@ -9,9 +9,9 @@
 #include <memory>
 #include <string>
 
-#include "emulated_node.h"
 #include "emulators/canopen/rotary_encoder.h"
 #include "emulators/nonvolatile_memory.h"
+#include "node_mutant.h"
 #include "suite_verdicts.h"
 
 namespace rigwire::conform {
@@ -104,13 +104,7 @@ TEST(CanopenSuite, ABusWithoutANodeIsUnreachable) {
 
 /// Changes answers of SDO.
 Change answers(const std::function<void(Frame&)>& change) {
-  return [change](const Frame& frame) {
-    Frame other = frame;
-    if (frame.id == 0x580U + kNode) {
-      change(other);
-    }
-    return std::vector{other};
-  };
+  return changing([](const Frame& frame) { return frame.id == 0x580U + kNode; }, change);
 }
 /// Drops or changes what has this identifier.
 Change with_id(std::uint32_t id, const std::function<std::vector<Frame>(Frame)>& change) {
@@ -139,16 +133,7 @@ Change swallowing(std::uint16_t index) {
   };
 }
 
-struct Mutant {
-  const char* name;
-  const char* found_by;
-  Change saying = {};
-  Change hearing = {};
-  std::function<void(emulators::RotaryEncoder&)> fault = {};
-};
-void PrintTo(const Mutant& mutant, std::ostream* out) {
-  *out << mutant.name;
-}
+using Mutant = NodeMutant<emulators::RotaryEncoder>;
 
 class CanopenMutant : public testing::TestWithParam<Mutant> {};
 

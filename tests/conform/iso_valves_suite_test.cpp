@@ -10,8 +10,8 @@
 #include <ostream>
 #include <string>
 
-#include "emulated_node.h"
 #include "emulators/iso_valve/iso_valves.h"
+#include "node_mutant.h"
 #include "suite_verdicts.h"
 
 namespace rigwire::conform {
@@ -122,11 +122,6 @@ TEST(IsoValveSuite, ATimeOutThatIsLongerThanClaimedIsNoticed) {
                                             "iso11783-valves/AVC/15"));
 }
 
-std::uint32_t group_of(const Frame& frame) {
-  const std::uint32_t pgn = frame.id >> 8U & 0x3FFFFU;
-  return (pgn >> 8U & 0xFFU) < 240U ? pgn & 0x3FF00U : pgn;
-}
-
 constexpr std::uint32_t kEstimate = 65'040;
 constexpr std::uint32_t kMeasurement = 65'056;
 constexpr std::uint32_t kCommand = 65'072;
@@ -177,13 +172,7 @@ TEST(IsoValveSuite, NothingMovesWithoutTheOptionForIt) {
 
 /// Frames of valves' groups, from that of valve 0 on, get changed.
 Change of_valves(std::uint32_t valve_0, const std::function<void(Frame&)>& change) {
-  return [=](const Frame& frame) {
-    Frame other = frame;
-    if (is_of_valves(valve_0, frame)) {
-      change(other);
-    }
-    return Frames{other};
-  };
+  return changing([=](const Frame& frame) { return is_of_valves(valve_0, frame); }, change);
 }
 Change estimates(const std::function<void(Frame&)>& change) {
   return of_valves(kEstimate, change);
@@ -193,24 +182,6 @@ Change measurements(const std::function<void(Frame&)>& change) {
 }
 Change commands(const std::function<void(Frame&)>& change) {
   return of_valves(kCommand, change);
-}
-/// Frames of that group get changed.
-Change of_group(std::uint32_t group, const std::function<void(Frame&)>& change) {
-  return [=](const Frame& frame) {
-    Frame other = frame;
-    if (group_of(frame) == group) {
-      change(other);
-    }
-    return Frames{other};
-  };
-}
-/// Of that group every second frame is lost, or all.
-Change without(std::uint32_t group, bool all) {
-  return [=, odd = std::make_shared<bool>(false)](const Frame& frame) {
-    const bool one = group_of(frame) == group;
-    *odd = one != *odd;
-    return one && (all || *odd) ? Frames() : Frames{frame};
-  };
 }
 std::function<void(Frame&)> writing(std::size_t at, std::uint8_t value) {
   return [=](Frame& frame) { frame.data.at(at) = value; };
@@ -252,16 +223,7 @@ Frames neutral_before(const Frame& frame) {
   return is_of_valves(kCommand, frame) ? Frames{other, frame} : Frames{frame};
 }
 
-struct Mutant {
-  const char* name;
-  const char* found_by;
-  Change saying = {};
-  Change hearing = {};
-  Fault fault = {};
-};
-void PrintTo(const Mutant& mutant, std::ostream* out) {
-  *out << mutant.name;
-}
+using Mutant = NodeMutant<IsoValves>;
 
 class IsoValveMutant : public testing::TestWithParam<Mutant> {};
 
@@ -276,7 +238,7 @@ TEST_P(IsoValveMutant, IsNoticed) {
 INSTANTIATE_TEST_SUITE_P(
     , IsoValveMutant,
     testing::Values(
-        Mutant{"estimates_seldom", SUITE "AVEF/1", without(kEstimate, false)},
+        Mutant{"estimates_seldom", SUITE "AVEF/1", without(every_second(is_group(kEstimate)))},
         Mutant{"estimates_short", SUITE "AVEF/2", estimates([](Frame& f) { f.length = 5; })},
         Mutant{"estimates_of_priority_7", SUITE "AVEF/3",
                estimates([](Frame& f) { f.id |= 7U << 26U; })},
@@ -288,24 +250,24 @@ INSTANTIATE_TEST_SUITE_P(
         Mutant{"flow_in_neutral", SUITE "AVEF/8", estimates(writing(0, 20))},
         Mutant{"limit_4", SUITE "AVEF/9", estimates(writing(3, 0x9F))},
         Mutant{"zeros_unused", SUITE "AVEF/10", estimates(writing(7, 0))},
-        Mutant{"measurements_seldom", SUITE "AVMF/1", without(kMeasurement, false)},
+        Mutant{"measurements_seldom", SUITE "AVMF/1", without(every_second(is_group(kMeasurement)))},
         Mutant{"measurements_short", SUITE "AVMF/2", measurements([](Frame& f) { f.length = 7; })},
         Mutant{"measured_flow_reserved", SUITE "AVMF/3", measurements(writing(1, 0xFC))},
         Mutant{"measured_limit_5", SUITE "AVMF/4", measurements(writing(7, 0xBF))},
         Mutant{"limits_differ", SUITE "AVMF/5", measurements(writing(7, 0xDF))},
-        Mutant{"no_estimate_beside", SUITE "AVMF/5", without(kEstimate, true)},
+        Mutant{"no_estimate_beside", SUITE "AVMF/5", without(is_group(kEstimate))},
         Mutant{"measurements_of_priority_7", SUITE "AVMF/6",
                measurements([](Frame& f) { f.id |= 7U << 26U; })},
         Mutant{"industry_of_ships", SUITE "NAME/1", of_group(T::kClaim, writing(7, 0xC0))},
         Mutant{"one_address_alone", SUITE "NAME/2",
                of_group(T::kClaim, [](Frame& f) { f.data[7] &= 0x7FU; })},
         Mutant{"function_of_another", SUITE "NAME/3", of_group(T::kClaim, writing(5, 1))},
-        Mutant{"no_claim", SUITE "NAME/3", without(T::kClaim, true)},
+        Mutant{"no_claim", SUITE "NAME/3", without(is_group(T::kClaim))},
         Mutant{"no_functionality", SUITE "FUNC/1", of_group(kFunctionalities, writing(1, 0))},
         Mutant{"another_functionality_first", SUITE "FUNC/1",
                of_group(kFunctionalities, writing(2, 13))},
-        Mutant{"functionalities_silent", SUITE "FUNC/1", without(kFunctionalities, true)},
-        Mutant{"no_troubles", SUITE "DM1/1", without(kTroubles, true)},
+        Mutant{"functionalities_silent", SUITE "FUNC/1", without(is_group(kFunctionalities))},
+        Mutant{"no_troubles", SUITE "DM1/1", without(is_group(kTroubles))},
         Mutant{"says_float_in_neutral", SUITE "AVC/1", saying_state(3)},
         Mutant{"exit_reason_in_neutral", SUITE "AVC/2", estimates(writing(4, 0xC5))},
         Mutant{"deaf", SUITE "AVC/3", {}, taking(1, 0)},

@@ -5,12 +5,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "emulated_node.h"
 #include "emulators/engine_controller/engine_controller.h"
+#include "emulators/openimu/openimu335ri.h"
+#include "node_mutant.h"
 #include "suite_verdicts.h"
 
 namespace rigwire::conform {
@@ -23,6 +26,16 @@ using Change = EmulatedNode::Change;
 using Frame = EmulatedNode::Frame;
 using Fault = std::function<void(EngineController&)>;
 
+constexpr std::uint8_t kNone = 254;
+
+std::uint8_t source_of(const Frame& frame) {
+  return static_cast<std::uint8_t>(frame.id);
+}
+/// The suite takes the engine's address.
+bool contends(const Frame& frame) {
+  return group_of(frame) == J1939Trial::kClaim && source_of(frame) == 0 &&
+         frame.data == std::array<std::uint8_t, 8>{};
+}
 class EmulatedEngine final : public EmulatedNode {
  public:
   explicit EmulatedEngine(const Change& saying = {}, const Change& hearing = {},
@@ -50,7 +63,41 @@ SuiteResult judge(const J1939Claims& claims, const Change& saying = {}, const Ch
   J1939Device device;
   device.open = [&] { return std::make_unique<EmulatedEngine>(saying, hearing, fault); };
   device.claims = claims;
-  return run_j1939_suite(device, {wanted, true, true});
+  return run_j1939_suite(device, {wanted, true, true, true});
+}
+
+class EmulatedImu final : public EmulatedNode {
+ public:
+  explicit EmulatedImu(const Change& saying = {}, const Change& hearing = {})
+      : EmulatedNode(saying, hearing), imu_({}, *this) {
+    run(kStart + std::chrono::seconds(1));
+  }
+
+ private:
+  emulators::CanDevice& device() override { return imu_; }
+  void feed(SimTime instant) override {
+    ImuSample sample;
+    sample.time = instant;
+    sample.specific_force_mps2 = {0.0, 0.0, 9.81};
+    imu_.update(sample);
+  }
+
+  emulators::OpenImu imu_;
+};
+
+SuiteResult judge_imu(const std::vector<std::string>& wanted, const Change& saying = {},
+                      const Change& hearing = {}) {
+  J1939Device device;
+  device.open = [&] { return std::make_unique<EmulatedImu>(saying, hearing); };
+  device.claims.address = 128;
+  return run_j1939_suite(device, {wanted, true, true, true});
+}
+
+/// What case "How it takes its address back" tells.
+std::string way_back(const SuiteResult& result) {
+  const auto found = std::ranges::find(result.cases, "j1939-81/lost/5",
+                                       [](const CaseResult& each) { return each.identity.id; });
+  return found == result.cases.end() ? "not tried" : found->got;
 }
 
 J1939Claims claims() {
@@ -73,6 +120,59 @@ TEST(J1939Suite, CasesHaveIdentitiesOfTheirOwn) {
   expect_identities(j1939_cases(), 80);
 }
 
+TEST(J1939Suite, OurEngineControllerIsCommandedBackToItsAddress) {
+  EXPECT_EQ(way_back(judge(claims(), {}, {}, {}, {"j1939-81/lost"})), "by a commanded address");
+}
+
+TEST(J1939Suite, OurImuTakesAnotherAddressAndIsContendedBack) {
+  const SuiteResult result = judge_imu({"j1939-81"});
+  EXPECT_THAT(wrong_in(result), IsEmpty());
+  EXPECT_EQ(way_back(result), "by contending at the address that it had instead");
+}
+
+// As its open firmware does: it is silent where it has nothing to say.
+TEST(J1939Suite, OurImuRefusesNothing) {
+  EXPECT_THAT(wrong_ids(judge_imu({"j1939/5.4.4", "j1939/5.4.2", "j1939/5.2"})),
+              testing::UnorderedElementsAre("j1939/5.4.4/1", "j1939/5.4.4/2"));
+}
+
+TEST(J1939Suite, AnAddressThatNoNodeMayChooseIsNoticed) {
+  constexpr std::uint8_t kReserved = 20;
+  const SuiteResult result = judge_imu({"j1939-81/lost/1"}, [](const Frame& frame) {
+    Frame other = frame;
+    const bool moved = static_cast<std::uint8_t>(frame.id) != 128;
+    other.id = moved ? (frame.id & 0xFFFFFF00U) | kReserved : frame.id;
+    return std::vector{other};
+  });
+  EXPECT_THAT(wrong_ids(result), testing::ElementsAre("j1939-81/lost/1"));
+}
+
+TEST(J1939Suite, WhatIsNotBackAtItsAddressIsSaidToBeLost) {
+  // The suite's own broadcasts do not arrive: no address is commanded.
+  const Change deaf = without(is_group(J1939Trial::kTransport));
+  const SuiteResult result = judge(claims(), {}, deaf, {}, {"j1939-81/lost"});
+  EXPECT_EQ(result.cases.front().verdict, Verdict::pass);
+  for (std::size_t i = 1; i < result.cases.size(); ++i) {
+    EXPECT_EQ(result.cases[i].verdict, Verdict::error);
+    EXPECT_THAT(result.cases[i].got, testing::HasSubstr("has to be switched off and on"));
+  }
+}
+
+TEST(J1939Suite, NoAddressIsTakenWithoutTheOptionForIt) {
+  int taken = 0;
+  J1939Device device;
+  device.open = [&] {
+    return std::make_unique<EmulatedEngine>(Change(), [&](const Frame& frame) {
+      taken += contends(frame) ? 1 : 0;
+      return std::vector{frame};
+    });
+  };
+  device.claims = claims();
+  const SuiteResult result = run_j1939_suite(device, {{}, true, true, false});
+  EXPECT_EQ(taken, 0);
+  EXPECT_EQ(result.count(Verdict::skipped), 5U);
+}
+
 TEST(J1939Suite, AProfileIsOfTheAddressThatIsMeant) {
   J1939Device device;
   device.open = [] { return std::make_unique<EmulatedEngine>(); };
@@ -88,40 +188,44 @@ TEST(J1939Suite, ASilentBusIsUnreachable) {
   EXPECT_THROW(static_cast<void>(survey_j1939(device)), Unreachable);
 }
 
-std::uint32_t group_of(const Frame& frame) {
-  const std::uint32_t pgn = frame.id >> 8U & 0x3FFFFU;
-  return (pgn >> 8U & 0xFFU) < 240U ? pgn & 0x3FF00U : pgn;
-}
-/// Frames of that group get changed.
-Change of_group(std::uint32_t pgn, const std::function<void(Frame&)>& change) {
-  return [pgn, change](const Frame& frame) {
-    Frame other = frame;
-    if (frame.extended && group_of(frame) == pgn) {
-      change(other);
-    }
-    return std::vector{other};
-  };
-}
-/// Frames of that group for which it holds are lost.
-Change without(std::uint32_t pgn, const std::function<bool(const Frame&)>& lost) {
-  return [pgn, lost](const Frame& frame) {
-    const bool drops = frame.extended && group_of(frame) == pgn && lost(frame);
-    return drops ? std::vector<Frame>() : std::vector{frame};
-  };
-}
-bool always(const Frame&) {
-  return true;
-}
+using Mutant = NodeMutant<EngineController>;
 
-struct Mutant {
-  const char* name;
-  const char* found_by;
-  Change saying = {};
-  Change hearing = {};
-  Fault fault = {};
-};
-void PrintTo(const Mutant& mutant, std::ostream* out) {
-  *out << mutant.name;
+/// Says once that it has lost its address, and goes on with `source`.
+Mutant goes_on(const char* name, const char* found_by, std::uint8_t source) {
+  struct State {
+    Frame claim;
+    bool lost = false;
+    bool told = false;
+  };
+  const auto state = std::make_shared<State>();
+  const auto saying = [=](const Frame& frame) {
+    if (group_of(frame) == J1939Trial::kClaim) {
+      state->claim = frame;
+    }
+    Frame other = frame;
+    other.id = (frame.id & 0xFFFFFF00U) | (state->lost ? source : source_of(frame));
+    std::vector<Frame> all{other};
+    if (state->lost && !state->told) {
+      state->told = true;
+      state->claim.id |= kNone;
+      all.insert(all.begin(), state->claim);
+    }
+    return all;
+  };
+  const auto hearing = [=](const Frame& frame) {
+    state->lost = state->lost || contends(frame);
+    return contends(frame) ? std::vector<Frame>() : std::vector{frame};
+  };
+  return {name, found_by, saying, hearing};
+}
+Mutant deaf_behind_the_loss(const char* name, const char* found_by) {
+  const auto lost = std::make_shared<bool>(false);
+  const auto hearing = [=](const Frame& frame) {
+    *lost = *lost || contends(frame);
+    return *lost && group_of(frame) == J1939Trial::kRequest ? std::vector<Frame>()
+                                                            : std::vector{frame};
+  };
+  return {name, found_by, {}, hearing};
 }
 
 class J1939Mutant : public testing::TestWithParam<Mutant> {};
@@ -133,7 +237,7 @@ TEST_P(J1939Mutant, IsNoticed) {
 
 INSTANTIATE_TEST_SUITE_P(, J1939Mutant,
                          testing::Values(Mutant{"no_claim", "j1939-81/4.2.1",
-                                                without(J1939Trial::kClaim, always)},
+                                                without(is_group(J1939Trial::kClaim))},
                                          Mutant{"claim_of_priority_3", "j1939-81/4.2.1",
                                                 of_group(J1939Trial::kClaim,
                                                          [](Frame& f) {
@@ -152,9 +256,9 @@ INSTANTIATE_TEST_SUITE_P(, J1939Mutant,
                                          Mutant{"does_not_defend",
                                                 "j1939-81/4.2.2",
                                                 {},
-                                                without(J1939Trial::kClaim, always)},
+                                                without(is_group(J1939Trial::kClaim))},
                                          Mutant{"does_not_refuse", "j1939/5.4.4",
-                                                without(J1939Trial::kAcknowledgement, always)},
+                                                without(is_group(J1939Trial::kAcknowledgement))},
                                          Mutant{"refuses_positively", "j1939/5.4.4",
                                                 of_group(J1939Trial::kAcknowledgement,
                                                          [](Frame& f) { f.data[0] = 0; })},
@@ -178,12 +282,12 @@ INSTANTIATE_TEST_SUITE_P(, J1939Mutant,
                                                   return std::vector{other};
                                                 }},
                                          Mutant{"no_packets", "j1939/5.10.2",
-                                                without(J1939Trial::kPackets, always)},
+                                                without(is_group(J1939Trial::kPackets))},
                                          Mutant{"a_packet_lost", "j1939/5.10.2",
-                                                without(J1939Trial::kPackets,
-                                                        [](const Frame& f) {
-                                                          return f.data[0] == 2;
-                                                        })},
+                                                without(is_group(J1939Trial::kPackets,
+                                                                 [](const Frame& f) {
+                                                                   return f.data[0] == 2;
+                                                                 }))},
                                          Mutant{"packets_counted_from_zero", "j1939/5.10.3",
                                                 of_group(J1939Trial::kPackets,
                                                          [](Frame& f) {
@@ -203,17 +307,17 @@ INSTANTIATE_TEST_SUITE_P(, J1939Mutant,
                                                                f.data[7] == 0xFF ? 0 : f.data[7];
                                                          })},
                                          Mutant{"never_gives_up", "j1939/5.10.2.4",
-                                                without(J1939Trial::kTransport,
-                                                        [](const Frame& f) {
-                                                          return f.data[0] == 255;
-                                                        })},
+                                                without(is_group(J1939Trial::kTransport,
+                                                                 [](const Frame& f) {
+                                                                   return f.data[0] == 255;
+                                                                 }))},
                                          Mutant{"deaf_to_clear_to_send",
                                                 "j1939/5.10.3",
                                                 {},
-                                                without(J1939Trial::kTransport,
-                                                        [](const Frame& f) {
-                                                          return f.data[0] == 17;
-                                                        })},
+                                                without(is_group(J1939Trial::kTransport,
+                                                                 [](const Frame& f) {
+                                                                   return f.data[0] == 17;
+                                                                 }))},
                                          Mutant{"deaf_to_hold",
                                                 "j1939/5.10.3",
                                                 {},
@@ -224,12 +328,7 @@ INSTANTIATE_TEST_SUITE_P(, J1939Mutant,
                                                            }
                                                          })},
                                          Mutant{"every_second_lost", "j1939-71/EEC1",
-                                                without(61444,
-                                                        [odd = std::make_shared<bool>(false)](
-                                                            const Frame&) {
-                                                          *odd = !*odd;
-                                                          return *odd;
-                                                        })},
+                                                without(every_second(is_group(61444)))},
                                          Mutant{"seven_bytes", "j1939-71/EEC1",
                                                 of_group(61444, [](Frame& f) { f.length = 7; })},
                                          Mutant{
@@ -241,6 +340,21 @@ INSTANTIATE_TEST_SUITE_P(, J1939Mutant,
                                          Mutant{
                                              "last_priority", "j1939-71/EEC2",
                                              of_group(61443, [](Frame& f) { f.id |= 7U << 26U; })},
+                                         Mutant{"keeps_its_address",
+                                                "j1939-81/lost/1",
+                                                {},
+                                                without(contends)},
+                                         Mutant{"does_not_say_that_it_lost", "j1939-81/lost/1",
+                                                without(is_group(J1939Trial::kClaim,
+                                                                 [](const Frame& f) {
+                                                                   return source_of(f) == kNone;
+                                                                 }))},
+                                         goes_on("speaks_with_the_lost_address", "j1939-81/lost/2",
+                                                 0),
+                                         goes_on("speaks_without_an_address", "j1939-81/lost/3",
+                                                 kNone),
+                                         deaf_behind_the_loss("deaf_without_an_address",
+                                                              "j1939-81/lost/4"),
                                          Mutant{"slow",
                                                 "j1939-71/EEC1",
                                                 {},

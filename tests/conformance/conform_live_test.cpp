@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(
              "engine",
              PROFILE "engine_controller.yaml --writes j1939/5.4.4 j1939/5.10.2 j1939/5.10.3 "
                      "j1939/5.10.2.4 j1939-81",
-             13},
+             17, true},
         Live{
             "iso_valves", "iso11783-valves",
             "buses:\n  can: {}\ndevices:\n  valves: {type: iso-valves, bus: can, first_valve: 1}\n",
@@ -97,9 +97,9 @@ TEST(ConformMoves, LeaveIsForThisEndpointAndForSuitesThatMove) {
   EXPECT_THAT(another.text,
               testing::HasSubstr("--moves: found \"can:none1\", allowed \"can:none0\""));
   const Conformed still = conformed(
-      wires.folder, "j1939 can:none0 --moves can:none0 " PROFILE "engine_controller.yaml");
+      wires.folder, "canopen can:none0 --moves can:none0 " PROFILE "cia406_encoder.yaml");
   EXPECT_EQ(still.exit_code, 2);
-  EXPECT_THAT(still.text, testing::HasSubstr("--moves: found \"j1939\", allowed a suite with"));
+  EXPECT_THAT(still.text, testing::HasSubstr("--moves: found \"canopen\", allowed a suite with"));
   // With leave it comes as far as the bus, which there is not.
   const Conformed given = conformed(
       wires.folder, "iso11783-valves can:none0 --moves can:none0 " PROFILE "iso_valves.yaml");

@@ -141,7 +141,10 @@ std::string without_address(T& trial, const Check& check) {
   if (const auto loss = lose(trial, *name)) {
     check(*loss);
   }
-  return give_back(trial, *name);
+  const std::string how = give_back(trial, *name);
+  // Only then may it use the address that it has claimed again.
+  static_cast<void>(trial.listen(kSilence + milliseconds(50)));
+  return how;
 }
 
 /// What of that source comes in a second; its first is shown.

@@ -327,6 +327,27 @@ INSTANTIATE_TEST_SUITE_P(, J1939Mutant,
                                                              f.data[1] = f.data[2] = 1;
                                                            }
                                                          })},
+                                         Mutant{"aborts_behind_a_repetition", "j1939/5.10.3/3",
+                                                [n = std::make_shared<int>(0)](const Frame& frame) {
+                                                  Frame abort = frame;
+                                                  abort.id += 1U << 16U;  // Control, not a packet.
+                                                  abort.data = {255, 5, 255, 255, 255, 0, 0, 0};
+                                                  const bool first =
+                                                      group_of(frame) == J1939Trial::kPackets &&
+                                                      frame.data[0] == 1;
+                                                  *n += first ? 1 : 0;
+                                                  return first && *n == 2
+                                                             ? std::vector{frame, abort}
+                                                             : std::vector{frame};
+                                                }},
+                                         Mutant{
+                                             "deaf_to_an_abort",
+                                             "j1939/5.10.3/5",
+                                             {},
+                                             without(is_group(J1939Trial::kTransport,
+                                                              [](const Frame& f) {
+                                                                return f.data[0] == 255;
+                                                              }))},
                                          Mutant{"every_second_lost", "j1939-71/EEC1",
                                                 without(every_second(is_group(61444)))},
                                          Mutant{"seven_bytes", "j1939-71/EEC1",

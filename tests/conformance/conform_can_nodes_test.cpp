@@ -1,5 +1,6 @@
 // `rigwire conform` against nodes on CAN that software of others makes: a J1939 node on Debian's
-// python-can, whose adapter's line is one end of a null modem.
+// python-can, whose adapter's line is one end of a null modem. Cases that judge this machine's pace
+// are left out.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -42,8 +43,8 @@ class ConformPythonCan : public testing::Test {
 TEST_F(ConformPythonCan, ANodeFailsNowhereAndIsGivenItsAddressBack) {
   const Conformed found =
       conform("--profile " + profile_ + " --writes --moves " + endpoint_ +
-              " j1939-81 j1939/5.2 j1939/5.4.4 j1939/5.4.2/25 j1939/5.10.2 j1939/5.10.3"
-              " j1939-71/CCVS1");
+              " j1939-81 j1939/5.2 j1939/5.4.4 j1939/5.4.2/25 j1939/5.10.3 j1939/5.10.2.4"
+              " j1939-71/CCVS1/2 j1939-71/CCVS1/3");
   EXPECT_EQ(found.exit_code, 0) << found.text << node_.output();
   EXPECT_THAT(found.with("lenient"), IsEmpty()) << found.text;
   EXPECT_GE(found.count("pass"), 21U) << found.text;

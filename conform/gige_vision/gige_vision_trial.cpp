@@ -415,4 +415,15 @@ std::vector<GigeVisionCase> gige_cases_of(std::span<const GigeVisionRow> rows) {
   return all;
 }
 
+std::vector<GigeVisionCase> gige_cases_in_control_of(std::span<const GigeVisionRow> rows) {
+  std::vector<GigeVisionCase> all = gige_cases_of(rows);
+  for (GigeVisionCase& each : all) {
+    each.run = [run = std::move(each.run)](GigeVisionTrial& trial) {
+      run(trial);
+      trial.leave();
+    };
+  }
+  return all;
+}
+
 }  // namespace rigwire::conform

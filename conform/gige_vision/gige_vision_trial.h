@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "conform/bytes.h"
 #include "conform/datagram_line.h"
 #include "conform/trial.h"
 #include "protocols/gige_vision/bootstrap.h"
@@ -39,6 +40,7 @@ struct GigeVisionClaims {
   std::optional<GigeRegister> start;             ///< Begins the acquisition.
   std::optional<GigeRegister> stop;              ///< Ends it.
   std::optional<std::uint32_t> payload_size;     ///< Address of the bytes of the longest block.
+  double rate_hz = 0.0;                          ///< Of pictures; 0: not claimed.
   std::chrono::milliseconds answer_within{100};  ///< 99 of 100 answers come within it.
   std::chrono::milliseconds patience{500};       ///< Who has not answered by then does not.
 };
@@ -170,7 +172,6 @@ class GigeVisionTrial : public Trial {
 
 /// Big-endian words.
 [[nodiscard]] GigeBytes gige_word(std::uint32_t value);
-[[nodiscard]] GigeBytes operator+(GigeBytes left, const GigeBytes& right);
 /// "0x8006 (access denied)"
 [[nodiscard]] std::string gige_status_text(std::uint16_t status);
 /// "0x0A00"
@@ -209,5 +210,8 @@ struct GigeVisionRow {
   bool acquires = false;
 };
 [[nodiscard]] std::vector<GigeVisionCase> gige_cases_of(std::span<const GigeVisionRow> rows);
+/// Those that take control: each leaves it, whatever came of it.
+[[nodiscard]] std::vector<GigeVisionCase> gige_cases_in_control_of(
+    std::span<const GigeVisionRow> rows);
 
 }  // namespace rigwire::conform

@@ -282,60 +282,47 @@ void time_as_here(T& trial) {
                std::to_string(seconds) + " s in " + std::to_string(here) + " s");
 }
 
-struct Row {
-  const char* chapter;
-  const char* title;
-  Strength strength;
-  void (*run)(T&);
-  std::uint32_t capability = 0;
-};
+constexpr GigeVisionRow row(const char* chapter, const char* title, Strength strength,
+                            void (*run)(T&), std::uint32_t capability = 0) {
+  return {chapter, title, strength, run, Danger::writes, capability, false};
+}
 
 constexpr std::array kRows{
-    Row{"control", "Control is taken", kMust, taken},
-    Row{"control", "Control is given back, and another may take it", kMust, given_back},
-    Row{"control", "Another application does not take it meanwhile", kMust, not_taken_twice},
-    Row{"control", "Others may read", kMust, others_read},
-    Row{"control", "Others may not write", kMust, others_do_not_write},
-    Row{"control", "With exclusive control others do not read", kMust, exclusive},
-    Row{"control", "It tells the port of who is in control", kMust, primary,
-        gev::Capability::kPrimaryApplication},
-    Row{"control", "The heartbeat's timeout is kept", kMust,
-        [](T& t) { kept(t, boot::kHeartbeatTimeout, 5000); }},
-    Row{"control", "A heartbeat's timeout below 500 ms is not taken", kShould, heartbeat_floor},
-    Row{"control", "Who is silent loses control", kMust, silence_loses},
-    Row{"control", "Who is heard of keeps it", kMust, heartbeat_keeps},
-    Row{"control", "WRITEREG that comes again is answered again", kMust, repeated},
-    Row{"control", "WRITEREG of two tells that two were written", kMust,
+    row("control", "Control is taken", kMust, taken),
+    row("control", "Control is given back, and another may take it", kMust, given_back),
+    row("control", "Another application does not take it meanwhile", kMust, not_taken_twice),
+    row("control", "Others may read", kMust, others_read),
+    row("control", "Others may not write", kMust, others_do_not_write),
+    row("control", "With exclusive control others do not read", kMust, exclusive),
+    row("control", "It tells the port of who is in control", kMust, primary,
+        gev::Capability::kPrimaryApplication),
+    row("control", "The heartbeat's timeout is kept", kMust,
+        [](T& t) { kept(t, boot::kHeartbeatTimeout, 5000); }),
+    row("control", "A heartbeat's timeout below 500 ms is not taken", kShould, heartbeat_floor),
+    row("control", "Who is silent loses control", kMust, silence_loses),
+    row("control", "Who is heard of keeps it", kMust, heartbeat_keeps),
+    row("control", "WRITEREG that comes again is answered again", kMust, repeated),
+    row(
+        "control", "WRITEREG of two tells that two were written", kMust,
         [](T& t) { two_written(t, boot::kHeartbeatTimeout, 2, true); },
-        gev::Capability::kConcatenation},
-    Row{"control", "WRITEREG stops at the first that is refused", kMust,
-        [](T& t) { two_written(t, 0xFFFF'FFF0, 1, false); }, gev::Capability::kConcatenation},
-    Row{"control", "WRITEMEM tells how many bytes were written", kMust, memory_written,
-        gev::Capability::kWriteMemory},
-    Row{"control", "A register that is read only is refused", kShould, write_protected},
-    Row{"control", "An address that there is not is refused", kShould, written_nowhere},
-    Row{"control", "The user's name is kept", kMust, user_name, gev::Capability::kUserDefinedName},
-    Row{"time", "The time stamp grows", kMust, time_goes},
-    Row{"time", "What was latched stands", kMust, time_stands_latched},
-    Row{"timing-ticks", "Ticks are as fast as they are said to be", kShould, time_as_here},
+        gev::Capability::kConcatenation),
+    row(
+        "control", "WRITEREG stops at the first that is refused", kMust,
+        [](T& t) { two_written(t, 0xFFFF'FFF0, 1, false); }, gev::Capability::kConcatenation),
+    row("control", "WRITEMEM tells how many bytes were written", kMust, memory_written,
+        gev::Capability::kWriteMemory),
+    row("control", "A register that is read only is refused", kShould, write_protected),
+    row("control", "An address that there is not is refused", kShould, written_nowhere),
+    row("control", "The user's name is kept", kMust, user_name, gev::Capability::kUserDefinedName),
+    row("time", "The time stamp grows", kMust, time_goes),
+    row("time", "What was latched stands", kMust, time_stands_latched),
+    row("timing-ticks", "Ticks are as fast as they are said to be", kShould, time_as_here),
 };
 
 }  // namespace
 
 std::vector<GigeVisionCase> gige_privilege_cases() {
-  std::vector<GigeVisionRow> rows;
-  for (const Row& row : kRows) {
-    rows.push_back(
-        {row.chapter, row.title, row.strength, row.run, Danger::writes, row.capability, false});
-  }
-  std::vector<GigeVisionCase> all = gige_cases_of(rows);
-  for (GigeVisionCase& each : all) {
-    each.run = [run = std::move(each.run)](T& trial) {
-      run(trial);
-      trial.leave();
-    };
-  }
-  return all;
+  return gige_cases_in_control_of(kRows);
 }
 
 }  // namespace rigwire::conform

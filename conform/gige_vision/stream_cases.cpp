@@ -266,11 +266,19 @@ void payload_types(T& trial) {
               });
 }
 
+/// In ticks; 0 where the leader has none.
+std::uint64_t stamp_of(const Bytes& leader) {
+  return leader.size() < 12 ? 0 : load_big<std::uint64_t>(leader, 4);
+}
+std::uint64_t stamp_of(const GigeBlock& block) {
+  return stamp_of(block.packets.begin()->second.payload);
+}
+
 void timestamps(T& trial) {
   std::uint64_t before = 0;
   each_leader(trial, "time stamps that never go back",
               [&](const GigeStream&, const GigeBlock&, const Bytes& leader) {
-                const auto stamp = leader.size() < 12 ? 0 : load_big<std::uint64_t>(leader, 4);
+                const auto stamp = stamp_of(leader);
                 const bool back = stamp < before || stamp == 0;
                 before = stamp;
                 return back ? std::to_string(stamp) : std::string();
@@ -279,10 +287,6 @@ void timestamps(T& trial) {
 
 void new_pictures(T& trial) {
   if (const GigeStream* const stream = blocks_of(trial)) {
-    const auto stamp = [](const GigeBlock& block) {
-      const Bytes& leader = block.packets.begin()->second.payload;
-      return leader.size() < 12 ? 0 : load_big<std::uint64_t>(leader, 4);
-    };
     const auto payload = [](const GigeBlock& block) {
       Bytes all;
       for (const auto& [number, packet] : block.packets) {
@@ -293,7 +297,7 @@ void new_pictures(T& trial) {
       return all;
     };
     const std::vector<GigeBlock>& blocks = stream->blocks;
-    if (blocks.size() < 5 || stamp(blocks.front()) == stamp(blocks.back())) {
+    if (blocks.size() < 5 || stamp_of(blocks.front()) == stamp_of(blocks.back())) {
       return trial.not_applicable("fewer than five pictures");
     }
     const Bytes first = payload(blocks.front());
@@ -301,6 +305,34 @@ void new_pictures(T& trial) {
         blocks, [&](const GigeBlock& block) { return payload(block) == first; });
     trial.expect(!same, "pictures that differ, by their noise", "the same bytes in all");
   }
+}
+
+void at_its_rate(T& trial) {
+  const double rate_hz = trial.claims().rate_hz;
+  if (rate_hz == 0.0) {
+    return trial.not_applicable("no rate of pictures is claimed");
+  }
+  const GigeStream* const stream = blocks_of(trial);
+  if (stream == nullptr) {
+    return;
+  }
+  if (stream->tick_frequency_hz == 0) {
+    return trial.not_applicable("no frequency of ticks");
+  }
+  // Blocks that were lost as a whole count by their numbers.
+  const GigeBlock& first = stream->blocks.front();
+  const GigeBlock& last = stream->blocks.back();
+  const auto ticks = stamp_of(last) - stamp_of(first);
+  const auto pictures = last.number - first.number;
+  if (!trial.expect(pictures >= 1 && stamp_of(first) != 0 && stamp_of(last) > stamp_of(first),
+                    "two pictures with time stamps in two seconds", "none")) {
+    return;
+  }
+  const double found_hz = static_cast<double>(pictures) *
+                          static_cast<double>(stream->tick_frequency_hz) /
+                          static_cast<double>(ticks);
+  trial.expect(found_hz >= 0.95 * rate_hz && found_hz <= 1.05 * rate_hz,
+               std::to_string(rate_hz) + " Hz within 5 %", std::to_string(found_hz) + " Hz");
 }
 
 /// Bytes of the pixels, by the leader.
@@ -509,19 +541,13 @@ constexpr std::array kRows{
             gev::Capability::kPacketResend),
     picture("The stream ends with the acquisition", kMust, ends),
     picture("The stream ends with control", kMust, ends_with_control),
+    picture("Pictures come at the claimed rate, by their time stamps", kMust, at_its_rate),
 };
 
 }  // namespace
 
 std::vector<GigeVisionCase> gige_stream_cases() {
-  std::vector<GigeVisionCase> all = gige_cases_of(kRows);
-  for (GigeVisionCase& each : all) {
-    each.run = [run = std::move(each.run)](T& trial) {
-      run(trial);
-      trial.leave();
-    };
-  }
-  return all;
+  return gige_cases_in_control_of(kRows);
 }
 
 }  // namespace rigwire::conform

@@ -62,11 +62,6 @@ UbxBytes u4(std::uint32_t value) {
   return u2(value & 0xFFFFU) + u2(value >> 16U);
 }
 
-UbxBytes operator+(UbxBytes left, const UbxBytes& right) {
-  left.insert(left.end(), right.begin(), right.end());
-  return left;
-}
-
 bool UbxClaims::has(std::string_view message) const {
   return std::ranges::find(messages, message) != messages.end();
 }

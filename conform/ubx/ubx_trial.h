@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "conform/byte_line.h"
+#include "conform/bytes.h"
 #include "conform/trial.h"
 #include "conform/ubx/ubx_messages.h"
 #include "protocols/ubx/frame.h"
@@ -135,6 +136,5 @@ struct UbxCitations {
 // Little-endian bytes of a payload.
 [[nodiscard]] UbxBytes u2(unsigned value);
 [[nodiscard]] UbxBytes u4(std::uint32_t value);
-[[nodiscard]] UbxBytes operator+(UbxBytes left, const UbxBytes& right);
 
 }  // namespace rigwire::conform

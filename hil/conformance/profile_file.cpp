@@ -173,6 +173,7 @@ conform::GigeVisionClaims claims_of(const GigeVisionProfile& p) {
   if (const auto size = register_in("payload_size", p.payload_size)) {
     claims.payload_size = size->address;
   }
+  claims.rate_hz = p.rate_hz;
   claims.answer_within = in_milliseconds(p.answer_within);
   claims.patience = in_milliseconds(p.patience);
   return claims;
@@ -392,6 +393,8 @@ void visit(fields::Visitor& v, GigeVisionProfile& p) {
          "Register that begins the acquisition, and what is written there: \"0xA104 = 1\".");
   v.text("acquisition_stop", p.acquisition_stop, "Register that ends it, likewise.");
   v.text("payload_size", p.payload_size, "Register of the bytes of a block: \"0xA03C\".");
+  v.number("rate", p.rate_hz, fields::in("Hz").between(0, 10'000),
+           "Of pictures while it acquires; 0: not claimed.");
   v.duration("answer_within", p.answer_within, kSoon, "99 of 100 answers come within this.");
   v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
 }
@@ -481,8 +484,8 @@ std::string profile_text(const conform::GigeVisionClaims& claims, const std::str
   if (claims.payload_size) {
     text += fmt::format("payload_size: \"0x{:04X}\"\n", *claims.payload_size);
   }
-  return text + fmt::format("answer_within: {} ms\npatience: {} ms\n", claims.answer_within.count(),
-                            claims.patience.count());
+  return text + fmt::format("rate: {} Hz\nanswer_within: {} ms\npatience: {} ms\n", claims.rate_hz,
+                            claims.answer_within.count(), claims.patience.count());
 }
 
 std::string profile_text(const conform::CanopenClaims& claims, const std::string& endpoint) {

@@ -102,6 +102,7 @@ struct GigeVisionProfile {
   std::string acquisition_start;
   std::string acquisition_stop;
   std::string payload_size;
+  double rate_hz = 0.0;
   std::chrono::nanoseconds answer_within = std::chrono::milliseconds{100};
   std::chrono::nanoseconds patience = std::chrono::milliseconds{500};
 };

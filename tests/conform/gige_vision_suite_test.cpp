@@ -42,7 +42,9 @@ GigeVisionDevice device_of(const GigeCameraSettings& settings, const Changes& ch
 
 GigeVisionClaims claims() {
   GigeVisionDevice device = device_of(settings());
-  return survey_gige_vision(device);
+  GigeVisionClaims claims = survey_gige_vision(device);
+  claims.rate_hz = 1.0 / to_seconds(settings().frame_period);
+  return claims;
 }
 
 SuiteResult judge(const GigeCameraSettings& settings, const Changes& changes = {},
@@ -403,9 +405,9 @@ void PrintTo(const Faulty& faulty, std::ostream* out) {
 }
 
 template <class Fault>
-std::function<void(GigeCameraSettings&)> with(const Fault& fault) {
-  return [fault](GigeCameraSettings& settings) {
-    settings.faults.push_back({{Duration{0}, std::chrono::hours{1}}, fault});
+std::function<void(GigeCameraSettings&)> with(const Fault& fault, Duration begin = Duration{0}) {
+  return [=](GigeCameraSettings& settings) {
+    settings.faults.push_back({{begin, std::chrono::hours{1}}, fault});
   };
 }
 
@@ -417,17 +419,23 @@ TEST_P(GigeVisionFaulty, IsNoticed) {
   EXPECT_THAT(wrong_ids(judge(broken, {}, {GetParam().found_by})), testing::Not(IsEmpty()));
 }
 
+// What exposures and triggers are asked for is in makers' registers, which no profile names.
 INSTANTIATE_TEST_SUITE_P(
     , GigeVisionFaulty,
-    testing::Values(Faulty{"lost", "gige-vision/blocks/5",
-                           with(emulators::LostStreamPacketsFault{.share = 0.1})},
-                    Faulty{"swapped", "gige-vision/blocks/5",
-                           with(emulators::SwappedStreamPacketsFault{.share = 0.2})},
-                    Faulty{"repeated", "gige-vision/blocks/6",
-                           with(emulators::DuplicatedStreamPacketsFault{.share = 0.2})},
-                    Faulty{"frozen", "gige-vision/blocks/14", with(emulators::FrozenFrameFault{})},
-                    Faulty{"refuses", "gige-vision/control/8",
-                           with(emulators::RefusedWritesFault{})}),
+    testing::Values(
+        Faulty{"lost", "gige-vision/blocks/5",
+               with(emulators::LostStreamPacketsFault{.share = 0.1})},
+        Faulty{"swapped", "gige-vision/blocks/5",
+               with(emulators::SwappedStreamPacketsFault{.share = 0.2})},
+        Faulty{"repeated", "gige-vision/blocks/6",
+               with(emulators::DuplicatedStreamPacketsFault{.share = 0.2})},
+        Faulty{"frozen", "gige-vision/blocks/14", with(emulators::FrozenFrameFault{})},
+        Faulty{"refuses", "gige-vision/control/8", with(emulators::RefusedWritesFault{})},
+        // While it acquires.
+        Faulty{"unplugged", "gige-vision/blocks/1",
+               with(emulators::LinkDownFault{}, std::chrono::seconds{2})},
+        Faulty{"over_temperature", "gige-vision/blocks/1", with(emulators::OverTemperatureFault{})},
+        Faulty{"slow", "gige-vision/blocks/23", with(emulators::SlowPicturesFault{.share = 0.9})}),
     [](const auto& faulty) { return std::string(faulty.param.name); });
 
 }  // namespace

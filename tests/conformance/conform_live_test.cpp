@@ -80,8 +80,9 @@ INSTANTIATE_TEST_SUITE_P(
                     "iso11783-valves/AVC/1 iso11783-valves/AVC/2 iso11783-valves/AVC/3 "
                     "iso11783-valves/AVC/4 "
                     "iso11783-valves/AVC/5 iso11783-valves/AVC/6 iso11783-valves/AVC/7 "
-                    "iso11783-valves/AVC/8 iso11783-valves/AVC/9 iso11783-valves/AVC/11",
-            14, true},
+                    "iso11783-valves/AVC/8 iso11783-valves/AVC/9 iso11783-valves/AVC/10 "
+                    "iso11783-valves/AVC/11",
+            15, true},
         Live{"velodyne_vlp_16", "velodyne", "devices:\n  lidar: {type: velodyne-vlp-16}\n", "lidar",
              "--listen 3s velodyne/data velodyne/azimuth velodyne/returns velodyne/position "
              "velodyne/time/2 velodyne/time/4 velodyne/time/6",
@@ -96,8 +97,8 @@ TEST(ConformMoves, LeaveIsForThisEndpointAndForSuitesThatMove) {
   EXPECT_EQ(another.exit_code, 2);
   EXPECT_THAT(another.text,
               testing::HasSubstr("--moves: found \"can:none1\", allowed \"can:none0\""));
-  const Conformed still = conformed(
-      wires.folder, "canopen can:none0 --moves can:none0 " PROFILE "cia406_encoder.yaml");
+  const Conformed still =
+      conformed(wires.folder, "canopen can:none0 --moves can:none0 " PROFILE "cia406_encoder.yaml");
   EXPECT_EQ(still.exit_code, 2);
   EXPECT_THAT(still.text, testing::HasSubstr("--moves: found \"canopen\", allowed a suite with"));
   // With leave it comes as far as the bus, which there is not.

@@ -25,6 +25,14 @@ struct AddressRange {
   friend bool operator==(const AddressRange&, const AddressRange&) = default;
 };
 
+/// Records of a file, 0 to 9999.
+struct RecordRange {
+  std::uint16_t file = 1;
+  AddressRange records;
+
+  friend bool operator==(const RecordRange&, const RecordRange&) = default;
+};
+
 struct ModbusClaims {
   std::uint8_t unit = 1;
   std::vector<std::uint8_t> functions;  ///< Function codes that it has.
@@ -33,6 +41,9 @@ struct ModbusClaims {
   /// What may be written without anything moving; each takes any value, or one bit turned over.
   std::vector<AddressRange> writable_coils;
   std::vector<AddressRange> writable_registers;
+  std::vector<RecordRange> files;           ///< That function 20 reads.
+  std::vector<RecordRange> writable_files;  ///< As writable_registers.
+  std::vector<std::uint16_t> queues;        ///< Addresses that function 24 reads.
   /// An answer comes within this in 99 of 100.
   std::chrono::milliseconds answer_within{100};
   /// Who has not answered by then does not.

@@ -50,9 +50,9 @@ void find_items(ModbusTrial& trial, std::uint8_t function, unsigned most, unsign
 
 std::vector<ModbusCase> modbus_cases() {
   std::vector<ModbusCase> all;
-  for (auto* chapter :
-       {modbus_tcp_cases, modbus_exception_cases, modbus_reading_cases, modbus_writing_cases,
-        modbus_identity_cases, modbus_serial_cases, modbus_timing_cases, modbus_robustness_cases}) {
+  for (auto* chapter : {modbus_tcp_cases, modbus_exception_cases, modbus_reading_cases,
+                        modbus_writing_cases, modbus_file_cases, modbus_identity_cases,
+                        modbus_serial_cases, modbus_timing_cases, modbus_robustness_cases}) {
     std::ranges::move(chapter(), std::back_inserter(all));
   }
   return all;
@@ -108,11 +108,15 @@ ModbusClaims survey_modbus(ModbusDevice& device, unsigned addresses) {
                                   {7},
                                   fields_pdu(8, {0, 0}),
                                   {11},
+                                  {12},
                                   with(fields_pdu(15, {0, 0}), {0}),
                                   with(fields_pdu(16, {0, 0}), {0}),
                                   {17},
+                                  {20, 0},
+                                  {21, 0},
                                   fields_pdu(22, {0xFFFF, 0xFFFF, 0}),
                                   with(fields_pdu(23, {0, 0, 0, 0}), {0}),
+                                  {24, 0},
                                   {43, modbus::kDeviceIdentificationInterface, 1, 0}};
   for (const Pdu& request : harmless) {
     if (knows(request)) {

@@ -261,8 +261,10 @@ std::string missing(const ModbusNeeds& needs, const ModbusDevice& device) {
   if (needs.serial && !device.serial()) {
     return "of serial lines";
   }
-  if (needs.function != 0 && !claims.has(needs.function)) {
-    return "function " + std::to_string(needs.function) + " is not claimed";
+  for (const std::uint8_t function : std::array{needs.function, needs.and_function}) {
+    if (function != 0 && !claims.has(function)) {
+      return "function " + std::to_string(function) + " is not claimed";
+    }
   }
   if (needs.without != 0 && claims.has(needs.without)) {
     return "function " + std::to_string(needs.without) + " is claimed";
@@ -272,6 +274,15 @@ std::string missing(const ModbusNeeds& needs, const ModbusDevice& device) {
   }
   if (needs.writable_registers && claims.writable_registers.empty()) {
     return "no register may be written";
+  }
+  if (needs.file && claims.files.empty()) {
+    return "no file is claimed";
+  }
+  if (needs.writable_file && claims.writable_files.empty()) {
+    return "no file may be written";
+  }
+  if (needs.queue && claims.queues.empty()) {
+    return "no queue is claimed";
   }
   return "";
 }

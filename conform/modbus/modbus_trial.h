@@ -100,12 +100,16 @@ class ModbusTrial : public Trial {
 
 /// What a case needs of the device's claims.
 struct ModbusNeeds {
-  std::uint8_t function = 0;  ///< Claimed; 0: none.
-  std::uint8_t without = 0;   ///< Not claimed; 0: none.
+  std::uint8_t function = 0;      ///< Claimed; 0: none.
+  std::uint8_t and_function = 0;  ///< Claimed, too; 0: none.
+  std::uint8_t without = 0;       ///< Not claimed; 0: none.
   bool tcp = false;
   bool serial = false;
   bool writable_coils = false;
   bool writable_registers = false;
+  bool file = false;
+  bool writable_file = false;
+  bool queue = false;
 };
 /// Why it cannot be tried; empty when it can.
 [[nodiscard]] std::string missing(const ModbusNeeds& needs, const ModbusDevice& device);
@@ -119,6 +123,7 @@ struct ModbusCase {
 // The chapters.
 [[nodiscard]] std::vector<ModbusCase> modbus_reading_cases();
 [[nodiscard]] std::vector<ModbusCase> modbus_writing_cases();
+[[nodiscard]] std::vector<ModbusCase> modbus_file_cases();
 [[nodiscard]] std::vector<ModbusCase> modbus_identity_cases();
 [[nodiscard]] std::vector<ModbusCase> modbus_exception_cases();
 [[nodiscard]] std::vector<ModbusCase> modbus_tcp_cases();

@@ -15,7 +15,7 @@ struct FunctionWords {
   std::uint8_t code;
   std::string_view words;
 };
-constexpr std::array<FunctionWords, 15> kFunctions{{{1, "read coils"},
+constexpr std::array<FunctionWords, 19> kFunctions{{{1, "read coils"},
                                                     {2, "read discrete inputs"},
                                                     {3, "read holding registers"},
                                                     {4, "read input registers"},
@@ -24,11 +24,15 @@ constexpr std::array<FunctionWords, 15> kFunctions{{{1, "read coils"},
                                                     {7, "read exception status"},
                                                     {8, "diagnostics"},
                                                     {11, "get communication event counter"},
+                                                    {12, "get communication event log"},
                                                     {15, "write coils"},
                                                     {16, "write registers"},
                                                     {17, "report server identifier"},
+                                                    {20, "read file record"},
+                                                    {21, "write file record"},
                                                     {22, "mask write register"},
                                                     {23, "read and write registers"},
+                                                    {24, "read queue"},
                                                     {43, "encapsulated interface"}}};
 
 std::string name_of(std::uint8_t code) {

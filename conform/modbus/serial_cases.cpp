@@ -1,5 +1,5 @@
 // RTU frames and the functions of serial lines: MODBUS over Serial Line V1.02, sections 2.2 and
-// 2.5.1; MODBUS Application Protocol Specification V1.1b3, sections 6.7 to 6.9.
+// 2.5.1; MODBUS Application Protocol Specification V1.1b3, sections 6.7 to 6.10.
 #include <array>
 #include <string>
 #include <thread>
@@ -138,6 +138,58 @@ void counts_events(T& trial) {
   }
 }
 
+struct EventLog {
+  unsigned events = 0;    ///< Counted, as function 11 does.
+  unsigned messages = 0;  ///< As diagnostics do.
+  Pdu log;                ///< The newest first.
+};
+
+constexpr std::uint8_t kGetCommEventLog = 12;
+
+/// What function 12 tells; nothing where it is no log, which is found.
+std::optional<EventLog> event_log(T& trial) {
+  constexpr std::size_t kFields = 6;  // Status and two counts.
+  constexpr std::size_t kMostEvents = 64;
+  const auto data = trial.accepts({kGetCommEventLog});
+  if (!data || !trial.expect(data->size() > kFields && data->size() <= 1 + kFields + kMostEvents &&
+                                 data->front() + 1U == data->size(),
+                             "a byte count of 6 to 70, and as many bytes", hex_text(*data, 16))) {
+    return std::nullopt;
+  }
+  const auto word = [&](std::size_t at) { return (*data)[at] * 256U + (*data)[at + 1]; };
+  trial.expect(word(1) == 0 || word(1) == 0xFFFF, "a status of 0000 or FFFF", hex_text(*data, 4));
+  return EventLog{word(3), word(5), Pdu(data->begin() + 1 + kFields, data->end())};
+}
+
+void known_events(T& trial) {
+  if (const auto found = event_log(trial)) {
+    for (const std::uint8_t event : found->log) {
+      // Received, sent, listening only from now on, restarted.
+      trial.expect((event & 0x80U) != 0 || (event & 0xC0U) == 0x40U || event == 4 || event == 0,
+                   "events of the four types", hex_text(found->log));
+    }
+  }
+}
+
+void counts_as_function_11(T& trial) {
+  const auto data = trial.accepts({modbus::kGetCommEventCounter});
+  const auto found = data && data->size() == 4 ? event_log(trial) : std::nullopt;
+  if (found) {
+    const unsigned counted = (*data)[2] * 256U + (*data)[3];
+    trial.expect(found->events == counted, std::to_string(counted) + ", as function 11 tells",
+                 std::to_string(found->events));
+  }
+}
+
+void counts_as_diagnostics(T& trial) {
+  const auto before = counter(trial, modbus::SubFunction::bus_message_count);
+  const auto found = before ? event_log(trial) : std::nullopt;
+  if (found) {
+    trial.expect(((found->messages - *before) & 0xFFFFU) == 1, "one message more than diagnostics",
+                 std::to_string((found->messages - *before) & 0xFFFFU));
+  }
+}
+
 enum class Document : std::uint8_t { line, application };
 
 struct Row {
@@ -147,6 +199,7 @@ struct Row {
   const char* title;
   Strength strength;
   void (*run)(T&);
+  std::uint8_t and_function = 0;  ///< 0: no other.
 };
 constexpr auto kMust = Strength::must;
 constexpr auto kLine = Document::line;
@@ -180,6 +233,13 @@ constexpr std::array kRows{
     Row{8, kApplication, "6.8", "Wrong checks are counted", kMust, counts_wrong_checks},
     Row{11, kApplication, "6.9", "Answered requests are counted, exceptions are not", kMust,
         counts_events},
+    Row{12, kApplication, "6.10", "The log has a status, counts and at most 64 events", kMust,
+        [](T& t) { static_cast<void>(event_log(t)); }},
+    Row{12, kApplication, "6.10", "Its events are of the four types", kMust, known_events},
+    Row{11, kApplication, "6.10", "Its event count is that of function 11", kMust,
+        counts_as_function_11, 12},
+    Row{8, kApplication, "6.10", "Its message count is that of diagnostics", Strength::should,
+        counts_as_diagnostics, 12},
 };
 
 }  // namespace
@@ -193,6 +253,7 @@ std::vector<ModbusCase> modbus_serial_cases() {
     Citations& citations = row.document == Document::line ? line : application;
     made.identity = citations.next(row.section, row.title, row.strength);
     made.needs.function = row.function;
+    made.needs.and_function = row.and_function;
     made.needs.serial = true;
     made.run = row.run;
   }

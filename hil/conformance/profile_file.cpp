@@ -107,6 +107,35 @@ std::vector<AddressRange> ranges_in(const std::string& key, const std::vector<st
   return ranges;
 }
 
+std::string text_of(const conform::RecordRange& range) {
+  const AddressRange& records = range.records;
+  return fmt::format("{}:{}", range.file, records.first) +
+         (records.last > records.first ? fmt::format("-{}", records.last) : "");
+}
+
+/// "4:0-9", "4:0".
+std::vector<conform::RecordRange> records_in(const std::string& key,
+                                             const std::vector<std::string>& texts) {
+  constexpr std::uint16_t kLastRecord = 9999;
+  std::vector<conform::RecordRange> all;
+  for (const std::string& text : texts) {
+    conform::RecordRange range;
+    const char* const end = text.data() + text.size();
+    const auto [colon, error] = std::from_chars(text.data(), end, range.file);
+    if (error != std::errc() || range.file == 0 || colon == end || *colon != ':') {
+      throw std::invalid_argument(key + ": found \"" + text +
+                                  "\", allowed a file, 1 to 65535, and its records, \"4:0-9\"");
+    }
+    range.records = ranges_in(key, {std::string(colon + 1, end)}).front();
+    if (range.records.last > kLastRecord) {
+      throw std::invalid_argument(fmt::format("{}: found record {}, allowed 0 .. {}", key,
+                                              range.records.last, kLastRecord));
+    }
+    all.push_back(range);
+  }
+  return all;
+}
+
 /// What may be written must be readable, so that it can be put back.
 void within(const std::string& key, const std::vector<AddressRange>& writable, Table table,
             const conform::ModbusClaims& claims) {
@@ -244,6 +273,35 @@ conform::ModbusClaims claims_of(const ModbusProfile& p) {
   claims.writable_registers = ranges_in("writable_registers", p.writable_registers);
   within("writable_coils", claims.writable_coils, Table::coils, claims);
   within("writable_registers", claims.writable_registers, Table::holding_registers, claims);
+  claims.files = records_in("files", p.files);
+  claims.writable_files = records_in("writable_files", p.writable_files);
+  for (const conform::RecordRange& range : claims.writable_files) {
+    const bool readable = std::ranges::any_of(claims.files, [&](const conform::RecordRange& each) {
+      return each.file == range.file && each.records.holds(range.records.first) &&
+             each.records.holds(range.records.last);
+    });
+    if (!readable) {
+      throw std::invalid_argument(
+          fmt::format("writable_files: found \"{}\", allowed records of files", text_of(range)));
+    }
+  }
+  for (const double address : p.queues) {
+    claims.queues.push_back(static_cast<std::uint16_t>(address));
+    if (claims.queues.back() != address) {
+      throw std::invalid_argument(
+          fmt::format("queues: found {}, allowed whole numbers, 0 .. 65535", address));
+    }
+  }
+  // What a function is needed for.
+  const auto needs = [&](const char* key, bool claimed, std::uint8_t function) {
+    if (claimed && !claims.has(function)) {
+      throw std::invalid_argument(
+          fmt::format("{}: found some, allowed with function {}", key, function));
+    }
+  };
+  needs("files", !claims.files.empty(), 20);
+  needs("writable_files", !claims.writable_files.empty(), 21);
+  needs("queues", !claims.queues.empty(), 24);
   claims.answer_within = in_milliseconds(p.answer_within);
   claims.patience = in_milliseconds(p.patience);
   claims.character = p.character;
@@ -264,6 +322,11 @@ void visit(fields::Visitor& v, ModbusProfile& p) {
   v.texts(
       "writable_registers", p.writable_registers,
       "Holding registers whose lowest bit may be turned over and back without anything moving.");
+  v.texts("files", p.files, "Records that function 20 reads, of a file: \"4:0-9\".");
+  v.texts("writable_files", p.writable_files,
+          "Records of files that may be changed and put back without anything moving.");
+  v.number_list("queues", p.queues, plain().between(0, 65'535),
+                "Addresses of queues that function 24 reads.");
   v.duration("answer_within", p.answer_within, kSoon, "99 of 100 answers come within this.");
   v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
   v.choice("character", p.character, kCharacters, "How a character lies on a serial line.");
@@ -550,6 +613,18 @@ std::string profile_text(const conform::ModbusClaims& claims, const std::string&
   }
   put("writable_coils", claims.writable_coils);
   put("writable_registers", claims.writable_registers);
+  const auto put_records = [&](std::string_view key,
+                               const std::vector<conform::RecordRange>& ranges) {
+    for (const conform::RecordRange& range : ranges) {
+      text += &range == ranges.data() ? fmt::format("{}: [", key) : std::string(", ");
+      text += "\"" + text_of(range) + "\"" + (&range == &ranges.back() ? "]\n" : "");
+    }
+  };
+  put_records("files", claims.files);
+  put_records("writable_files", claims.writable_files);
+  if (!claims.queues.empty()) {
+    text += fmt::format("queues: [{}]\n", fmt::join(claims.queues, ", "));
+  }
   text += fmt::format("answer_within: {} ms\npatience: {} ms\n", claims.answer_within.count(),
                       claims.patience.count());
   const auto* const character =

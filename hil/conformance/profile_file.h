@@ -28,6 +28,9 @@ struct ModbusProfile {
   std::vector<std::string> input_registers;
   std::vector<std::string> writable_coils;
   std::vector<std::string> writable_registers;
+  std::vector<std::string> files;  ///< "4:0-9": records of a file.
+  std::vector<std::string> writable_files;
+  std::vector<double> queues;
   std::chrono::nanoseconds answer_within = std::chrono::milliseconds{100};
   std::chrono::nanoseconds patience = std::chrono::seconds{1};
   protocols::modbus::SerialCharacter character = protocols::modbus::SerialCharacter::even_8e1;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <ostream>
 #include <set>
 #include <string>
 
@@ -189,6 +190,115 @@ TEST_F(ConformModbus, AServerOfOthersIsFoundWhereItIsWrong) {
   EXPECT_THAT(text, testing::HasSubstr("modbus-tcp/3.1.3/6"));
   EXPECT_THAT(text, testing::HasSubstr("tcp:127.0.0.1:" + port));
 }
+
+/// One thing that is wrong in what a script beside this file serves.
+struct Defect {
+  const char* name;
+  const char* found_by;
+  const char* of = nullptr;  ///< What the script calls it, where that is not the name.
+  const char* verdict = "fail";
+};
+void PrintTo(const Defect& defect, std::ostream* out) {
+  *out << defect.name;
+}
+const auto kNameOfDefect = [](const auto& defect) { return std::string(defect.param.name); };
+const std::string kScripts = RIGWIRE_SOURCE_DIR "/tests/conformance/";
+
+// Of files and queues no server of others could be had: pymodbus answers with nothing.
+class ConformModbusFiles : public ConformModbus, public testing::WithParamInterface<Defect> {
+ protected:
+  Json judge(const std::string& defect, const std::string& wanted, int exit_code) {
+    const auto port = std::to_string(test::free_port(SOCK_STREAM));
+    const test::ChildProcess server(
+        {"/usr/bin/python3", kScripts + "modbus_files.py", port, defect}, wires_.folder / "log");
+    EXPECT_TRUE(test::eventually([&] {
+      return run_program("bash -c '</dev/tcp/127.0.0.1/" + port + "'").exit_code == 0;
+    })) << server.output();
+    std::ofstream(wires_.folder / "profile.yaml")
+        << "functions: [20, 21, 24]\nfiles: ['4:0-199']\nwritable_files: ['4:0-3']\n"
+           "queues: [1246]\npatience: 5 s\n";
+    return conform("modbus-tcp", "tcp:127.0.0.1:" + port + " ",
+                   (wires_.folder / "profile.yaml").string(), "--writes " + wanted, exit_code);
+  }
+};
+
+TEST_F(ConformModbusFiles, FilesAndAQueuePass) {
+  const Json result = judge("", "modbus/6.14 modbus/6.15 modbus/6.18", 0);
+  EXPECT_EQ(result.at("counts").at("pass"), 22);
+}
+
+TEST_P(ConformModbusFiles, WhatIsWrongIsNoticed) {
+  const auto& [name, found_by, of, verdict] = GetParam();
+  const Json result =
+      judge(of != nullptr ? of : name, found_by, verdict == std::string("fail") ? 5 : 0);
+  EXPECT_THAT(with_verdict(result, verdict), Contains(found_by));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , ConformModbusFiles,
+    testing::Values(
+        Defect{"counts_registers", "modbus/6.14/1"}, Defect{"changes", "modbus/6.14/2"},
+        Defect{"groups_turned", "modbus/6.14/3"}, Defect{"blocks_turned", "modbus/6.14/4"},
+        Defect{"any_type", "modbus/6.14/5"}, Defect{"any_file", "modbus/6.14/7"},
+        Defect{"wraps_records", "modbus/6.14/9"}, Defect{"any_length", "modbus/6.14/11"},
+        Defect{"forgets", "modbus/6.15/1"}, Defect{"does_not_repeat", "modbus/6.15/1"},
+        Defect{"writes_what_it_refuses", "modbus/6.15/3"},
+        Defect{"queue_too_long", "modbus/6.18/1"}, Defect{"counts_values_alone", "modbus/6.18/1"},
+        Defect{"empties_the_queue", "modbus/6.18/2"}, Defect{"queues_anywhere", "modbus/6.18/3"},
+        Defect{"file_0_is_read", "modbus/6.14/6", "any_file"},
+        Defect{"record_10000_is_read", "modbus/6.14/8", "wraps_records"},
+        Defect{"six_bytes_are_a_group", "modbus/6.14/10", "any_length"},
+        Defect{"half_a_group_is_one", "modbus/6.14/12", "any_length", "lenient"},
+        Defect{"any_type_is_written", "modbus/6.15/2", "any_type"},
+        Defect{"record_10000_is_written", "modbus/6.15/4", "wraps_records"},
+        Defect{"nothing_is_written", "modbus/6.15/5", "any_length"},
+        Defect{"less_is_written", "modbus/6.15/6", "any_length", "lenient"},
+        Defect{"half_an_address_is_one", "modbus/6.18/4", "any_length", "lenient"}),
+    kNameOfDefect);
+
+class ConformModbusSerial : public ConformModbus, public testing::WithParamInterface<Defect> {
+ protected:
+  Json judge(const std::string& defect, const std::string& wanted, int exit_code) {
+    const std::string line = (wires_.folder / "line").string();
+    const test::ChildProcess server(
+        {"/usr/bin/python3", kScripts + "modbus_serial_server.py", line, defect},
+        wires_.folder / "log");
+    EXPECT_TRUE(test::eventually([&] { return std::filesystem::is_symlink(line); }))
+        << server.output();
+    std::ofstream(wires_.folder / "profile.yaml")
+        << "functions: [3, 6, 8, 11, 12]\nholding_registers: ['0-100']\n"
+           "writable_registers: ['0-20']\npatience: 3 s\n";
+    return conform("modbus-rtu", "serial:" + line + " ", (wires_.folder / "profile.yaml").string(),
+                   "--writes " + wanted, exit_code);
+  }
+};
+
+// What it finds in pymodbus 3.0.0 on a line, read by a person (docs/conformance.md).
+TEST_F(ConformModbusSerial, AServerOfOthersIsFoundWhereItIsWrong) {
+  const Json result =
+      judge("", "modbus/6.3/1 modbus/6.6/1 modbus/6.8 modbus/6.9 modbus/6.10 modbus-rtu/2.2", 5);
+  EXPECT_THAT(with_verdict(result, "fail"), IsSupersetOf({"modbus/6.8/2", "modbus/6.8/4"}));
+  EXPECT_THAT(with_verdict(result, "pass"),
+              IsSupersetOf({"modbus/6.3/1", "modbus/6.6/1", "modbus/6.8/1", "modbus/6.10/1",
+                            "modbus/6.10/2", "modbus/6.10/3"}));
+  EXPECT_THAT(with_verdict(result, "lenient"), Contains("modbus/6.10/4"));
+}
+
+TEST_F(ConformModbusSerial, AMessageThatIsCountedIsRight) {
+  const Json result = judge("counts_its_message", "modbus/6.10/4", 0);
+  EXPECT_EQ(result.at("counts").at("pass"), 1);
+}
+
+TEST_P(ConformModbusSerial, WhatIsWrongInItsLogIsNoticed) {
+  const Json result = judge(GetParam().name, GetParam().found_by, 5);
+  EXPECT_THAT(with_verdict(result, "fail"), Contains(GetParam().found_by));
+}
+
+INSTANTIATE_TEST_SUITE_P(, ConformModbusSerial,
+                         testing::Values(Defect{"too_many_events", "modbus/6.10/1"},
+                                         Defect{"an_event_of_no_type", "modbus/6.10/2"},
+                                         Defect{"counts_other_events", "modbus/6.10/3"}),
+                         kNameOfDefect);
 
 TEST_F(ConformModbus, WhatIsExpectedToDeviateIsNoFailureAndASurpriseIs) {
   std::ofstream(wires_.folder / "expect.yaml")

@@ -9,15 +9,12 @@ takes three packets, and says that it cannot claim when its address is taken by 
 commanded address moves it.
 """
 
-import os
 import struct
 import sys
-import termios
-import threading
 import time
-import tty
 
 import can
+from null_modem import null_modem
 
 NAME = struct.pack("<Q", 0x0000_2100_F560_1234)  # not arbitrary, function 33, identity 1234 hex
 PREFERRED = 40
@@ -34,30 +31,6 @@ GROUPS = {
 PERIODS_S = {SPEED: 0.1, COOLANT: 1.0}
 CLEAR_TO_SEND_S = 1.25
 BROADCAST_GAP_S = 0.06
-
-
-def null_modem(link):
-    """Two pseudo-terminals, each with what is written to the other: `link` is one, the other's
-    path is returned. What does not fit is lost, as on a line that nobody reads."""
-    ends = [os.openpty() for _ in range(2)]
-    for master, slave in ends:
-        tty.setraw(slave, termios.TCSANOW)
-        os.set_blocking(master, False)
-
-    def carry(source, sink):
-        os.set_blocking(source, True)
-        while True:
-            block = os.read(source, 4096)
-            try:
-                os.write(sink, block)
-            except BlockingIOError:
-                pass
-
-    masters = [master for master, _ in ends]
-    for source, sink in (masters, reversed(masters)):
-        threading.Thread(target=carry, args=(source, os.dup(sink)), daemon=True).start()
-    os.symlink(os.ttyname(ends[0][1]), link)
-    return os.ttyname(ends[1][1])
 
 
 class Node:

@@ -47,6 +47,7 @@ UdpEndpoint source_of(const UdpSettings& settings) {
 UdpSocket::UdpSocket(boost::asio::io_context& context, UdpSettings settings)
     : settings_(std::move(settings)),
       socket_(open(context.get_executor(), settings_)),
+      ends_(find_ends()),
       buffer_(kLargestDatagram) {}
 
 udp::socket UdpSocket::open(const boost::asio::any_io_executor& executor,
@@ -137,6 +138,7 @@ std::optional<std::string> UdpSocket::retarget(const UdpEndpoint& destination) {
     return refusal.what();
   }
   settings_ = std::move(wanted);
+  ends_ = find_ends();
   last_sent_.reset();
   last_refused_.reset();
   return std::nullopt;
@@ -201,7 +203,7 @@ bool UdpSocket::send(std::span<const std::uint8_t> datagram) {
   return false;
 }
 
-DatagramSocket::Ends UdpSocket::ends() const {
+DatagramSocket::Ends UdpSocket::find_ends() const {
   Ends ends;
   boost::system::error_code none;
   const udp::endpoint own = socket_.local_endpoint(none);

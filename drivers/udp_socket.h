@@ -62,7 +62,7 @@ class UdpSocket final : public DatagramSocket {
   /// From now on datagrams go there. Returns what is wrong with the new destination; the old one
   /// stays then. Precondition: the socket has a destination.
   [[nodiscard]] std::optional<std::string> retarget(const UdpEndpoint& destination);
-  [[nodiscard]] Ends ends() const override;
+  [[nodiscard]] Ends ends() const override { return ends_; }
   [[nodiscard]] EndpointStatus status() const override;
 
   /// The port it is bound to; useful when port 0 asked for any.
@@ -76,12 +76,14 @@ class UdpSocket final : public DatagramSocket {
   /// A socket that fulfils the settings. Throws EndpointError.
   [[nodiscard]] static boost::asio::ip::udp::socket open(
       const boost::asio::any_io_executor& executor, const UdpSettings& settings);
+  [[nodiscard]] Ends find_ends() const;
   void wait_readable();
   void receive_all();
   void note_refusal() const;
 
   UdpSettings settings_;
   mutable boost::asio::ip::udp::socket socket_;
+  Ends ends_;
   Receiver receiver_;
   std::vector<std::uint8_t> buffer_;
   std::optional<Clock::time_point> last_sent_;

@@ -854,6 +854,7 @@ void GigeCamera::update(const PictureSample& sample) {
   }
   plan_ = acquisition_.plan();
   ++counters_.pictures;
+  counters_.late_pictures += sample.late ? 1 : 0;
   const Picture& exposed = *sample.picture;
   if (on(reg::kExposureAuto)) {
     bank_.set_real(reg::kExposureTime, microseconds(exposed.exposure));

@@ -49,6 +49,7 @@ namespace rigwire::emulators {
 
 struct GigeCameraCounters {
   std::uint64_t pictures = 0;          ///< Of the acquisition, from the sensor.
+  std::uint64_t late_pictures = 0;     ///< Of these, after the time of processing.
   std::uint64_t skipped_pictures = 0;  ///< That the sensor had no time for.
   std::uint64_t ignored_triggers = 0;  ///< That came too early or for nobody.
   std::uint64_t lost_triggers = 0;     ///< By a fault.

@@ -172,6 +172,7 @@ class GigeCameraDevice final : public Device {
   [[nodiscard]] std::vector<NamedCount> counts() const override {
     const emulators::GigeCameraCounters counted = camera_.counters();
     return {{"pictures", counted.pictures},
+            {"late_pictures", counted.late_pictures},
             {"skipped_pictures", counted.skipped_pictures},
             {"lost_pictures", counted.stream.lost_blocks},
             {"ignored_triggers", counted.ignored_triggers},

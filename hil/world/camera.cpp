@@ -337,6 +337,9 @@ class WorldCamera final : public WorldSensor {
       Pending& pending = pending_.front();
       if (pending.job && !slice.paced) {
         collect(pending, worker_.wait(*pending.job));
+      } else if (pending.job && slice.t1 < pending.due + settings_.processing &&
+                 worker_.begun(*pending.job)) {
+        break;
       } else if (pending.job) {
         worker_.forget(*pending.job);
         pending.job.reset();
@@ -349,7 +352,8 @@ class WorldCamera final : public WorldSensor {
         slice.camera_truth->record(settings_.name,
                                    {pending.number, picture, std::move(pending.made.truth)});
       }
-      shelf.push_back({pending.due, pending.start, std::move(picture)});
+      const bool late = pending.due <= slice.t0;
+      shelf.push_back({late ? slice.t1 : pending.due, pending.start, std::move(picture), late});
     }
   }
 

@@ -7,7 +7,8 @@
 // processed, `processing` after the end of the last row's exposure.
 //
 // Free-running, every picture is there: the run waits for it at that instant. Paced, the run never
-// waits: what is not rendered by then is told as a sample without a picture.
+// waits: a picture that is being rendered then is handed over when it is ready, marked late, up to
+// as long again. What is later, or has not been begun, is told as a sample without a picture.
 //
 // Pictures between their exposure and their handing over are kept in a memory of their own, as a
 // camera has one. What has no room in it when its exposure begins is told as a sample without a

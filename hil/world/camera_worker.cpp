@@ -88,6 +88,11 @@ CameraWorker::Made CameraWorker::wait(Number job) {
   return made;
 }
 
+bool CameraWorker::begun(Number job) const {
+  const std::scoped_lock lock(mutex_);
+  return job < next_ || (busy_ && job == next_);
+}
+
 void CameraWorker::forget(Number job) {
   const std::scoped_lock lock(mutex_);
   entry(job).forgotten = true;

@@ -79,6 +79,8 @@ class CameraWorker {
   [[nodiscard]] std::optional<Made> take(Number job);
   /// The same, waiting for it.
   [[nodiscard]] Made wait(Number job);
+  /// Whether the worker has come to it.
+  [[nodiscard]] bool begun(Number job) const;
   /// Nobody wants it any more; take() of it is not called again.
   void forget(Number job);
   /// What a job failed by, the first one.

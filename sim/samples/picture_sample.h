@@ -123,6 +123,7 @@ struct PictureSample {
   SimTime exposure_start{};  ///< As the picture's; also of one that was skipped.
   /// Null: there was no time to make it, as in a camera that is triggered too fast.
   std::shared_ptr<const Picture> picture;
+  bool late = false;  ///< Told later than by a machine that is fast enough.
 };
 
 /// What a camera wants of its sensor; acts from the next exposure on.

@@ -141,6 +141,16 @@ TEST_F(AcquisitionTest, PicturesOfBeforeAreNotOfTheAcquisition) {
   EXPECT_TRUE(stream.sent.empty());
 }
 
+TEST_F(AcquisitionTest, LatePicturesAreCountedAndSent) {
+  make();
+  start_streaming();
+  camera->update({now, now, drawn(camera->command(), now), true});
+  EXPECT_EQ(camera->counters().late_pictures, 1U);
+  EXPECT_EQ(camera->counters().pictures, 1U);
+  pass(milliseconds{10});
+  EXPECT_EQ(received().size(), 1U);
+}
+
 TEST_F(AcquisitionTest, SkippedPicturesAreCounted) {
   make();
   start_streaming();

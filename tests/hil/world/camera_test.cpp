@@ -30,6 +30,7 @@ struct Studio {
   std::mutex mutex;
   std::condition_variable changed;
   bool open = true;   ///< Else take() waits.
+  int entered = 0;    ///< How often it was called.
   Duration delay{0};  ///< In wall time, per picture.
   std::vector<sim::CameraShot> shots;
   std::vector<double> depths_m;  ///< Of the ground below (0, 0).
@@ -39,6 +40,10 @@ struct Studio {
     const std::scoped_lock lock(mutex);
     open = in;
     changed.notify_all();
+  }
+  void wait_for_the_first() {
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [this] { return entered > 0; });
   }
   [[nodiscard]] std::size_t taken() {
     const std::scoped_lock lock(mutex);
@@ -56,6 +61,8 @@ class FalseSensor final : public sim::CameraSensor {
   [[nodiscard]] Taken take(const sim::Scene& scene, const sim::CameraShot& shot,
                            sim::CameraTruth* /*truth*/) override {
     std::unique_lock lock(studio_.mutex);
+    ++studio_.entered;
+    studio_.changed.notify_all();
     studio_.changed.wait(lock, [this] { return studio_.open; });
     const auto height = [&](double x) {
       const auto hit = scene.cast({x, 0.0, 20.0}, -Eigen::Vector3d::UnitZ(), 0.0, 100.0,
@@ -186,10 +193,11 @@ class WorldCameraTest : public ::testing::Test {
       while (!kept.empty() && kept.front() <= sample.exposure_start) {
         kept.pop_front();
       }
-      EXPECT_EQ(sample.time, sample.exposure_start + 102ms);
+      const SimTime due = sample.exposure_start + 102ms;
+      EXPECT_TRUE(sample.late ? paced && sample.time > due : sample.time == due);
       const bool room = kept.size() < 10;
       if (room) {
-        kept.push_back(sample.time);
+        kept.push_back(due);
       }
       ASSERT_TRUE(sample.picture ? room : paced || !room)
           << to_seconds(sample.exposure_start - kStart);
@@ -304,6 +312,44 @@ TEST_F(WorldCameraTest, paced_run_waits_for_none_and_counts_what_is_missing) {
     ASSERT_LT(now_, kStart + 20s);
   }
   EXPECT_LT(studio_.taken(), 20U);
+}
+
+TEST_F(WorldCameraTest, paced_run_hands_a_late_picture_over_when_it_is_ready) {
+  studio_.let_in(false);
+  make(100ms);
+  command(exposing(1ms));
+  plan(kStart, 10s);
+  run(kStart + 20ms, true);
+  studio_.wait_for_the_first();
+  run(kStart + 150ms, true);
+  EXPECT_TRUE(handed_over_.empty());
+  studio_.let_in(true);
+  while (handed_over_.empty()) {
+    std::this_thread::sleep_for(2ms);
+    ASSERT_LT(now_, kStart + 200ms);
+    run(now_ + kSlice, true);
+  }
+  ASSERT_EQ(handed_over_.size(), 1U);
+  EXPECT_TRUE(handed_over_[0].picture);
+  EXPECT_TRUE(handed_over_[0].late);
+  EXPECT_EQ(handed_over_[0].exposure_start, kStart);
+  EXPECT_EQ(handed_over_[0].time, now_);
+}
+
+TEST_F(WorldCameraTest, paced_run_gives_up_a_picture_that_takes_twice_as_long_as_processing) {
+  studio_.let_in(false);
+  make(100ms);
+  command(exposing(1ms));
+  plan(kStart, 40ms);
+  run(kStart + 20ms, true);
+  studio_.wait_for_the_first();
+  run(kStart + 200ms, true);
+  EXPECT_TRUE(handed_over_.empty());
+  run(kStart + 204ms, true);
+  ASSERT_EQ(handed_over_.size(), 3U);  // those that wait behind it in vain, too
+  EXPECT_EQ(skipped(), 3U);
+  EXPECT_EQ(handed_over_[1].exposure_start, kStart + 40ms);
+  studio_.let_in(true);
 }
 
 TEST_F(WorldCameraTest, paced_run_makes_what_it_can_when_pictures_take_longer_than_their_period) {

@@ -52,8 +52,8 @@ TEST_F(ConformPythonCan, ANodeFailsNowhereAndIsGivenItsAddressBack) {
 }
 
 TEST_F(ConformPythonCan, AProfileIsWhatTheNodeSays) {
-  const ProgramResult asked = run_program(
-      RIGWIRE_BINARY_DIR "/rigwire conform j1939 " + endpoint_ + " --make-profile", 60);
+  const ProgramResult asked =
+      run_program(RIGWIRE_BINARY_DIR "/rigwire conform j1939 " + endpoint_ + " --make-profile", 60);
   EXPECT_EQ(asked.exit_code, 0) << asked.text << node_.output();
   EXPECT_THAT(asked.text, testing::HasSubstr("address: 40"));
   EXPECT_THAT(asked.text, testing::HasSubstr("65265 every 100 ms"));

@@ -141,7 +141,7 @@ std::string without_address(T& trial, const Check& check) {
   if (const auto loss = lose(trial, *name)) {
     check(*loss);
   }
-  const std::string how = give_back(trial, *name);
+  std::string how = give_back(trial, *name);
   // Only then may it use the address that it has claimed again.
   static_cast<void>(trial.listen(kSilence + milliseconds(50)));
   return how;

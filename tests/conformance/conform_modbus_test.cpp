@@ -256,6 +256,43 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"half_an_address_is_one", "modbus/6.18/4", "any_length", "lenient"}),
     kNameOfDefect);
 
+struct BadClaim {
+  const char* name;
+  const char* profile;
+  const char* told;
+};
+void PrintTo(const BadClaim& claim, std::ostream* out) {
+  *out << claim.name;
+}
+
+class ConformModbusClaims : public ConformModbus, public testing::WithParamInterface<BadClaim> {};
+
+TEST_P(ConformModbusClaims, AreRefusedBeforeAnybodyIsAsked) {
+  std::ofstream(wires_.folder / "profile.yaml") << GetParam().profile;
+  const ProgramResult ran = run_program(kConform + "modbus-tcp tcp:127.0.0.1:1 --profile " +
+                                        (wires_.folder / "profile.yaml").string());
+  EXPECT_EQ(ran.exit_code, 2);
+  EXPECT_THAT(ran.text, testing::HasSubstr(GetParam().told));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , ConformModbusClaims,
+    testing::Values(BadClaim{"files_without_their_function", "functions: [24]\nfiles: ['4:0-9']\n",
+                             "with function 20"},
+                    BadClaim{"record_10000", "functions: [20]\nfiles: ['4:0-10000']\n",
+                             "found record 10000, allowed 0 .. 9999"},
+                    BadClaim{"file_0", "functions: [20]\nfiles: ['0:1']\n",
+                             "found \"0:1\", allowed a file, 1 to 65535"},
+                    BadClaim{"no_records", "functions: [20]\nfiles: ['4']\n",
+                             "found \"4\", allowed a file, 1 to 65535"},
+                    BadClaim{"written_and_not_read",
+                             "functions: [20, 21]\nfiles: ['4:0-9']\n"
+                             "writable_files: ['4:8-12']\n",
+                             "found \"4:8-12\", allowed records of files"},
+                    BadClaim{"half_a_queue", "functions: [24]\nqueues: [1.5]\n",
+                             "found 1.5, allowed whole numbers"}),
+    [](const auto& claim) { return std::string(claim.param.name); });
+
 class ConformModbusSerial : public ConformModbus, public testing::WithParamInterface<Defect> {
  protected:
   Json judge(const std::string& defect, const std::string& wanted, int exit_code) {

@@ -16,6 +16,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -97,6 +98,32 @@ IsolatedRun::Ended IsolatedRun::wait() {
           static_cast<double>(usage.ru_maxrss) * 1024.0 * 1e-6};
 }
 
+IsolatedRun::Usage IsolatedRun::usage() const {
+  // After the name of the program, which may hold anything, field 3 of proc(5) stands; user time is
+  // 14, system time 15, resident pages 24.
+  constexpr int kFirst = 3;
+  std::ifstream file(fs::path("/proc") / std::to_string(process_) / "stat");
+  std::string line;
+  std::getline(file, line);
+  std::istringstream fields(line.substr(std::min(line.size(), line.rfind(')') + 1)));
+  double ticks = 0.0;
+  std::string field;
+  for (int number = kFirst; fields >> field; ++number) {
+    if (number == 14 || number == 15) {
+      ticks += std::stod(field);
+    } else if (number == 24) {
+      return {ticks / static_cast<double>(::sysconf(_SC_CLK_TCK)),
+              1e-6 * std::stod(field) * static_cast<double>(::sysconf(_SC_PAGESIZE))};
+    }
+  }
+  throw std::runtime_error("the kernel tells nothing of the run");
+}
+
+nlohmann::json IsolatedRun::told() const {
+  std::ifstream file(folder_ / "run.json");
+  return nlohmann::json::parse(file);
+}
+
 nlohmann::json IsolatedRun::report() const {
   std::ifstream file(folder_ / "report.json");
   return nlohmann::json::parse(file);
@@ -117,7 +144,7 @@ ControlConnection::ControlConnection(const fs::path& socket)
   }
 }
 
-void ControlConnection::ask(const std::string& body) {
+std::string ControlConnection::ask(const std::string& body) {
   const std::string request =
       fmt::format("POST /command HTTP/1.1\r\nHost: localhost\r\nContent-Length: {}\r\n\r\n{}",
                   body.size(), body);
@@ -126,6 +153,7 @@ void ControlConnection::ask(const std::string& body) {
     throw std::runtime_error("the run took no request");
   }
   received_.clear();
+  std::size_t head = 0;
   std::size_t whole = std::string::npos;
   while (received_.size() < whole) {
     std::array<char, 4096> piece{};
@@ -140,9 +168,11 @@ void ControlConnection::ask(const std::string& body) {
       std::size_t body_bytes = 0;
       const char* digits = received_.data() + length + std::string_view("Content-Length: ").size();
       std::from_chars(digits, received_.data() + end, body_bytes);
-      whole = end + 4 + body_bytes;
+      head = end + 4;
+      whole = head + body_bytes;
     }
   }
+  return received_.substr(head);
 }
 
 }  // namespace rigwire::bench

@@ -22,6 +22,12 @@ class IsolatedRun {
     double peak_rss_mb = 0.0;  ///< 1e6 bytes.
   };
 
+  /// What the process has used since its start, and holds now.
+  struct Usage {
+    double cpu_s = 0.0;        ///< User and system time, in ticks of the kernel's clock.
+    double resident_mb = 0.0;  ///< 1e6 bytes.
+  };
+
   /// Starts `rig`, a name or a file, with `arguments`; its folder is `folder`, new or empty. Throws
   /// std::system_error.
   IsolatedRun(std::filesystem::path folder, const std::vector<std::string>& arguments,
@@ -34,6 +40,10 @@ class IsolatedRun {
   /// Returns when every wire is open. Throws std::runtime_error when the process ended before.
   void wait_until_ready();
   Ended wait();
+  /// While it runs. Throws std::runtime_error when the kernel does not say.
+  [[nodiscard]] Usage usage() const;
+  /// The line of --ready-fd, after wait_until_ready(). Throws what reading and parsing throws.
+  [[nodiscard]] nlohmann::json told() const;
 
   [[nodiscard]] std::filesystem::path control() const { return folder_ / "control"; }
   /// After wait(). Throws what reading and parsing throws.
@@ -59,9 +69,9 @@ class ControlConnection {
   /// Throws std::system_error.
   explicit ControlConnection(const std::filesystem::path& socket);
 
-  /// Posts to /command; returns when the whole answer is here, whatever it says. Throws
-  /// std::runtime_error when the connection ends.
-  void ask(const std::string& body);
+  /// Posts to /command; returns the body of the answer when all of it is here, whatever it says.
+  /// Throws std::runtime_error when the connection ends.
+  std::string ask(const std::string& body);
 
  private:
   drivers::Descriptor socket_;

@@ -8,7 +8,7 @@ namespace rigwire::bench {
 
 std::span<const BenchSuite> bench_suites() {
   // The rig first: peak memory is that of the process.
-  static constexpr std::array<BenchSuite, 13> kSuites{{
+  static constexpr std::array<BenchSuite, 14> kSuites{{
       {"rig", "the whole rig running free: speed, stages, memory", bench_rig},
       {"pacing", "the whole rig in real time: lateness of every device", bench_pacing},
       {"lidar", "the lidar stage against bare Embree, and its range error", bench_lidar},
@@ -26,6 +26,8 @@ std::span<const BenchSuite> bench_suites() {
       {"encoding", "cost of each wire format against what its wire can carry", bench_encoding},
       {"buses", "CAN model, its last hops and Modbus: speed, latency and exactness", bench_buses},
       {"bridge", "runs as processes: ready, stepped, recorded, side by side", bench_bridge},
+      {"dashboard", "what somebody who looks on costs a run with lidars at full rate",
+       bench_dashboard},
   }};
   return kSuites;
 }

@@ -19,6 +19,7 @@ nlohmann::json bench_gnss(std::ostream& text);
 nlohmann::json bench_encoding(std::ostream& text);
 nlohmann::json bench_buses(std::ostream& text);
 nlohmann::json bench_bridge(std::ostream& text);
+nlohmann::json bench_dashboard(std::ostream& text);
 
 /// Runs of `bridge` that go two at a time, before it is called; a tenth as many, and two at least,
 /// go one by one. A thousand unless said.

@@ -1,0 +1,40 @@
+// Somebody who looks on at a run: a client of its stream (docs/dashboard.md), which takes what it
+// subscribes to as fast as it comes and shows nothing.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace rigwire::bench {
+
+class StreamViewer {
+ public:
+  struct Figures {
+    std::uint64_t bytes = 0;     ///< Of all messages so far.
+    std::uint64_t messages = 0;  ///< Likewise.
+    /// From the connection until the scene, each model that it names, the machine's place and,
+    /// where there are lidars, a turn of each were there; negative: they are not yet.
+    double first_picture_s = -1.0;
+    std::uint64_t dropped = 0;    ///< By the server, as it says, since this was too slow.
+    std::uint64_t not_shown = 0;  ///< Not decoded by the server, likewise.
+  };
+
+  /// Looks on from now until its end, on a thread of its own. `page` is the address that the run
+  /// tells, "http://127.0.0.1:40123/#TOKEN"; `wants` is asked of each topic that the run has.
+  /// Throws what Boost throws, and std::invalid_argument for an address of another form.
+  StreamViewer(const std::string& page, std::function<bool(std::string_view topic)> wants);
+  ~StreamViewer();
+  StreamViewer(const StreamViewer&) = delete;
+  StreamViewer& operator=(const StreamViewer&) = delete;
+
+  [[nodiscard]] Figures figures() const;
+
+ private:
+  class Connection;
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace rigwire::bench

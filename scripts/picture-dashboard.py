@@ -4,45 +4,17 @@
     scripts/picture-dashboard.py [--width 1280] [--dark] [-o docs/pictures] [RIG ...]
 """
 import argparse
-import json
 import pathlib
-import signal
-import subprocess
 import tempfile
 import time
 
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
+from dashboard_browser import page_of
 
 RIGS = ["excavator_pit", "unimog_forest", "roller_road", "gator_campus"]
-PATIENCE_S = 300
 
 
 def still(rig, arguments, folder):
-    run = subprocess.Popen(["build/rigwire", "run", rig, "--isolated", folder, "--dashboard", "--status", "none"])
-    told = folder / "run.json"
-    while not (told.exists() and told.read_text().endswith("\n")):
-        time.sleep(0.2)
-    options = webdriver.ChromeOptions()
-    options.page_load_strategy = "eager"
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle",
-                     "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
-                     f"--window-size={arguments.width},{arguments.height}", f"--user-data-dir={folder}/profile"):
-        options.add_argument(argument)
-    browser = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
-    try:
-        if arguments.dark:
-            browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
-                "features": [{"name": "prefers-color-scheme", "value": "dark"}]})
-        browser.set_script_timeout(PATIENCE_S)
-        browser.get(json.loads(told.read_text())["dashboard"])
-        end = time.monotonic() + PATIENCE_S
-        while not browser.execute_script(
-                "return window.rigwire?.view && rigwire.run.assets.size === 0 && "
-                "(rigwire.view.clouds.size === 0 || rigwire.view.count.clouds > 2) && rigwire.view.entities.size > 5;"):
-            if time.monotonic() > end:
-                raise SystemExit(f"{rig}: no picture within {PATIENCE_S} s")
-            time.sleep(0.5)
+    with page_of(rig, folder, arguments.width, arguments.height, arguments.dark) as (browser, _):
         for quantity in arguments.plot:
             browser.execute_script("rigwire.plots.add(arguments[0]);", quantity)
         time.sleep(arguments.settle)
@@ -53,10 +25,6 @@ def still(rig, arguments, folder):
         browser.save_screenshot(str(arguments.output / name))
         for entry in browser.get_log("browser"):
             print(rig, entry["level"], entry["message"])
-    finally:
-        browser.quit()
-        run.send_signal(signal.SIGINT)
-        run.wait(60)
 
 
 def main():

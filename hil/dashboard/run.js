@@ -1,6 +1,8 @@
 // The run as the page knows it: its stream (Foxglove's WebSocket protocol, docs/dashboard.md) and its
 // control surface (docs/control.md). It comes back by itself when the connection was lost.
 
+import { cdrReader } from "/page/cdr.js";
+
 const SUBPROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
 const RETRY_MS = 1000;
 
@@ -82,7 +84,10 @@ export class Run extends EventTarget {
         this.tell("open", message);
         break;
       case "advertise":
-        for (const channel of message.channels) this.topics.set(channel.topic, channel);
+        for (const channel of message.channels) {
+          const read = channel.encoding === "cdr" ? cdrReader(channel.schema) : (bytes) => JSON.parse(this.text.decode(bytes));
+          this.topics.set(channel.topic, { ...channel, read });
+        }
         for (const topic of this.listeners.keys()) this.subscribe(topic);
         this.tell("topics");
         break;
@@ -98,7 +103,7 @@ export class Run extends EventTarget {
       case MESSAGE: {
         const topic = this.subscriptions.get(view.getUint32(1, true));
         const time = view.getBigUint64(5, true);
-        const message = JSON.parse(this.text.decode(new Uint8Array(data, 13)));
+        const message = this.topics.get(topic)?.read(new Uint8Array(data, 13));
         for (const use of this.listeners.get(topic) ?? []) use(message, time);
         break;
       }

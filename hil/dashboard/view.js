@@ -269,8 +269,8 @@ export class View {
 
   showPoints(topic, message) {
     const { points } = this.clouds.get(topic);
-    const bytes = Uint8Array.from(atob(message.data), (letter) => letter.charCodeAt(0));
-    const data = new DataView(bytes.buffer);
+    const bytes = message.data;
+    const data = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
     const stride = message.point_stride;
     const offset = Object.fromEntries(message.fields.map((field) => [field.name, field.offset]));
     const count = Math.min(Math.floor(bytes.length / stride), MOST_POINTS);
@@ -282,7 +282,9 @@ export class View {
       const x = data.getFloat32(at + offset.x, true);
       const y = data.getFloat32(at + offset.y, true);
       const z = data.getFloat32(at + offset.z, true);
-      places.set([x, y, z], 3 * i);
+      places[3 * i] = x;
+      places[3 * i + 1] = y;
+      places[3 * i + 2] = z;
       const share =
         by === "reflectivity"
           ? data.getUint8(at + offset.reflectivity) / 100

@@ -97,12 +97,14 @@ export class Wires {
   }
 
   add(message) {
-    const { time_ns, from, size, bytes, text, signals } = message;
+    const { time_ns, from, size, bytes, text, signals, left_out: leftOut } = message;
     if (signals) this.plot(this.choice.value.slice(1).replace("/", "."), signals, time_ns * 1e-9);
     const item = document.createElement("li");
     item.className = from;
     item.message = message;
-    item.textContent = `${(time_ns * 1e-9).toFixed(6)} ${from === "client" ? "<" : ">"} ${text} [${size}] ${bytes}`;
+    const before = leftOut ? ` (${whole(leftOut)} more before it)` : "";
+    item.textContent =
+      `${(time_ns * 1e-9).toFixed(6)} ${from === "client" ? "<" : ">"} ${text} [${size}] ${bytes}${before}`;
     this.list.prepend(item);
     for (let last; this.list.childElementCount > MOST_MESSAGES; last.remove()) {
       last = this.list.lastElementChild;

@@ -2,41 +2,66 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "hil/record/base64.h"
 #include "protocols/bytes.h"
+#include "protocols/foxglove/cdr_messages.h"
 #include "protocols/velodyne/packet_layout.h"
 
 namespace rigwire::hil {
 namespace {
 
+namespace foxglove = protocols::foxglove;
 namespace velodyne = protocols::velodyne;
 
 // A point as it lies in `data`, little-endian: x, y, z in m, reflectivity, laser.
 constexpr std::size_t kPointSize = 3 * 4  // x, y, z
                                    + 1    // reflectivity
                                    + 1;   // laser
-// foxglove.NumericType.
-constexpr int kUint8 = 1;
-constexpr int kFloat32 = 7;
+constexpr std::array<foxglove::PackedField, 5> kFields{
+    {{"x", 0, foxglove::NumericType::float32},
+     {"y", 4, foxglove::NumericType::float32},
+     {"z", 8, foxglove::NumericType::float32},
+     {"reflectivity", 12, foxglove::NumericType::uint8},
+     {"laser", 13, foxglove::NumericType::uint8}}};
+
+template <class Bytes>
+void append_data(Bytes& bytes, std::span<const velodyne::Point> points) {
+  std::array<std::uint8_t, kPointSize> one{};
+  for (const velodyne::Point& point : points) {
+    std::size_t at = 0;
+    for (const float value : {point.x_m, point.y_m, point.z_m}) {
+      protocols::store_little(std::span(one), at, std::bit_cast<std::uint32_t>(value));
+      at += 4;
+    }
+    one[at] = point.reflectivity;
+    one[at + 1] = point.laser;
+    bytes.insert(bytes.end(), one.begin(), one.end());
+  }
+}
+
+std::int64_t begun_unix_ns(const LidarCloud& cloud, std::int64_t start_unix_ns) {
+  return start_unix_ns + cloud.begun.time_since_epoch().count();
+}
 
 }  // namespace
 
-const std::string* LidarClouds::take(SimTime at, std::span<const std::uint8_t> datagram,
-                                     std::int64_t start_unix_ns) {
+std::optional<LidarCloud> LidarClouds::take(SimTime at, std::span<const std::uint8_t> datagram) {
   if (datagram.size() != velodyne::kDataPacketSize) {
-    return nullptr;  // a position packet
+    return std::nullopt;  // a position packet
   }
   const auto packet = velodyne::decode_data_packet(datagram);
   if (!packet.ok()) {
-    return nullptr;
+    return std::nullopt;
   }
   const auto* const model = velodyne::recognize(*packet).model;
   if (model == nullptr) {
-    return nullptr;
+    return std::nullopt;
   }
   if (model != model_) {
     model_ = model;
@@ -46,9 +71,10 @@ const std::string* LidarClouds::take(SimTime at, std::span<const std::uint8_t> d
   const std::uint16_t azimuth = packet->blocks.front().azimuth_counts;
   const bool turned = azimuth_counts_ && azimuth < *azimuth_counts_;
   azimuth_counts_ = azimuth;
-  const bool whole = turned && begun_;
-  if (whole) {
-    lay_out(start_unix_ns);
+  std::optional<LidarCloud> cloud;
+  if (turned && begun_) {
+    whole_.swap(points_);
+    cloud.emplace(LidarCloud{*begun_, lidar_, whole_});
     begun_.reset();
   }
   if (turned && at >= next_) {
@@ -59,39 +85,46 @@ const std::string* LidarClouds::take(SimTime at, std::span<const std::uint8_t> d
   if (begun_) {
     reader_->append(*packet, points_);
   }
-  return whole ? &text_ : nullptr;
+  return cloud;
 }
 
-void LidarClouds::lay_out(std::int64_t start_unix_ns) {
-  data_.resize(points_.size() * kPointSize);
-  std::size_t at = 0;
-  for (const velodyne::Point& point : points_) {
-    for (const float value : {point.x_m, point.y_m, point.z_m}) {
-      protocols::store_little(std::span(data_), at, std::bit_cast<std::uint32_t>(value));
-      at += 4;
-    }
-    data_[at++] = point.reflectivity;
-    data_[at++] = point.laser;
-  }
-  const std::int64_t ns = start_unix_ns + begun_->time_since_epoch().count();
-  const Eigen::Vector3d p = lidar_.X_LS.translation();
-  const Eigen::Quaterniond q(lidar_.X_LS.linear());
-  text_.clear();
-  fmt::format_to(
-      std::back_inserter(text_),
+std::string json_message(const LidarCloud& cloud, std::int64_t start_unix_ns) {
+  const std::int64_t ns = begun_unix_ns(cloud, start_unix_ns);
+  const Eigen::Vector3d p = cloud.lidar.X_LS.translation();
+  const Eigen::Quaterniond q(cloud.lidar.X_LS.linear());
+  std::string text = fmt::format(
       R"({{"timestamp":{{"sec":{},"nsec":{}}},"frame_id":{},"pose":{{)"
       R"("position":{{"x":{:.12g},"y":{:.12g},"z":{:.12g}}},)"
-      R"("orientation":{{"x":{:.12g},"y":{:.12g},"z":{:.12g},"w":{:.12g}}}}},"point_stride":{},)",
-      ns / 1'000'000'000, ns % 1'000'000'000, nlohmann::json(lidar_.link).dump(), p.x(), p.y(),
+      R"("orientation":{{"x":{:.12g},"y":{:.12g},"z":{:.12g},"w":{:.12g}}}}},"point_stride":{},)"
+      R"("fields":[)",
+      ns / 1'000'000'000, ns % 1'000'000'000, nlohmann::json(cloud.lidar.link).dump(), p.x(), p.y(),
       p.z(), q.x(), q.y(), q.z(), q.w(), kPointSize);
-  fmt::format_to(std::back_inserter(text_),
-                 R"("fields":[{{"name":"x","offset":0,"type":{0}}},)"
-                 R"({{"name":"y","offset":4,"type":{0}}},{{"name":"z","offset":8,"type":{0}}},)"
-                 R"({{"name":"reflectivity","offset":12,"type":{1}}},)"
-                 R"({{"name":"laser","offset":13,"type":{1}}}],"data":")",
-                 kFloat32, kUint8);
-  append_base64(text_, data_);
-  text_ += "\"}";
+  for (const foxglove::PackedField& field : kFields) {
+    fmt::format_to(std::back_inserter(text), R"({}{{"name":"{}","offset":{},"type":{}}})",
+                   field.offset == 0 ? "" : ",", field.name, field.offset,
+                   static_cast<int>(field.type));
+  }
+  text += R"(],"data":")";
+  std::vector<std::uint8_t> data;
+  data.reserve(cloud.points.size() * kPointSize);
+  append_data(data, cloud.points);
+  append_base64(text, data);
+  text += "\"}";
+  return text;
+}
+
+std::string cdr_message(const LidarCloud& cloud, std::int64_t start_unix_ns) {
+  const Eigen::Vector3d p = cloud.lidar.X_LS.translation();
+  const Eigen::Quaterniond q(cloud.lidar.X_LS.linear());
+  std::string bytes = foxglove::begin_point_cloud({.unix_ns = begun_unix_ns(cloud, start_unix_ns),
+                                                   .frame_id = cloud.lidar.link,
+                                                   .position_m = {p.x(), p.y(), p.z()},
+                                                   .orientation = {q.x(), q.y(), q.z(), q.w()},
+                                                   .point_stride = kPointSize,
+                                                   .fields = kFields},
+                                                  cloud.points.size() * kPointSize);
+  append_data(bytes, cloud.points);
+  return bytes;
 }
 
 }  // namespace rigwire::hil

@@ -1,5 +1,6 @@
 // Point clouds for viewers, decoded from the packets that a lidar sent: one turn of the head every
-// so often, as foxglove.PointCloud.
+// so often, as foxglove.PointCloud: JSON in a recording, CDR (protocols/foxglove/cdr_messages.h) in
+// a stream, where each turn is told.
 //
 // A cloud begins and ends where the azimuth passes from 360 to 0 degrees, and is told when its turn
 // is over. Its points are in the sensor's frame, `pose` places that in the link that carries it; a
@@ -33,29 +34,35 @@ struct CloudSettings {
   std::vector<RecordedLidar> lidars;
 };
 
+/// One turn of a head.
+struct LidarCloud {
+  SimTime begun{};
+  const RecordedLidar& lidar;
+  std::span<const protocols::velodyne::Point> points;
+};
+/// Of a run that started at `start_unix_ns`.
+[[nodiscard]] std::string json_message(const LidarCloud& cloud, std::int64_t start_unix_ns);
+[[nodiscard]] std::string cdr_message(const LidarCloud& cloud, std::int64_t start_unix_ns);
+
 class LidarClouds {
  public:
   /// Of the lidar on one wire.
   LidarClouds(RecordedLidar lidar, Duration every) : lidar_(std::move(lidar)), every_(every) {}
 
-  /// The next datagram of the lidar, which left at that instant. When a cloud is whole its message;
-  /// `start_unix_ns` is that of the run. Valid until the next call.
-  [[nodiscard]] const std::string* take(SimTime at, std::span<const std::uint8_t> datagram,
-                                        std::int64_t start_unix_ns);
+  /// The next datagram of the lidar, which left at that instant; the cloud that it makes whole.
+  /// Valid until the next call.
+  [[nodiscard]] std::optional<LidarCloud> take(SimTime at, std::span<const std::uint8_t> datagram);
 
  private:
-  void lay_out(std::int64_t start_unix_ns);
-
   RecordedLidar lidar_;
   Duration every_;
   const protocols::velodyne::Model* model_ = nullptr;
   std::optional<protocols::velodyne::PointReader> reader_;
-  std::vector<protocols::velodyne::Point> points_;
-  std::optional<SimTime> begun_;  ///< The cloud that is on its way.
+  std::vector<protocols::velodyne::Point> points_;  ///< Of the cloud that is on its way.
+  std::vector<protocols::velodyne::Point> whole_;
+  std::optional<SimTime> begun_;
   SimTime next_ = kStart;
   std::optional<std::uint16_t> azimuth_counts_;
-  std::vector<std::uint8_t> data_;
-  std::string text_;
 };
 
 }  // namespace rigwire::hil

@@ -186,8 +186,8 @@ void RecordingWriter::write_message(TruthTrack track, SimTime at, std::string_vi
 void RecordingWriter::write_cloud(Wire& wire, const RecordEntry& entry) {
   const auto datagram = pcapng::udp_packet(entry.bytes);
   if (datagram.ok()) {
-    if (const auto* cloud = wire.clouds->take(entry.at, datagram->bytes, run_.start_unix_ns)) {
-      write_message(TruthTrack::points, entry.at, *cloud);
+    if (const auto cloud = wire.clouds->take(entry.at, datagram->bytes)) {
+      write_message(TruthTrack::points, entry.at, json_message(*cloud, run_.start_unix_ns));
     }
   }
 }

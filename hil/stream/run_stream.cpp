@@ -22,6 +22,7 @@
 #include "hil/stream/sky_reader.h"
 #include "hil/stream/wire_reading.h"
 #include "protocols/can/frame_text.h"
+#include "protocols/foxglove/cdr_messages.h"
 #include "protocols/gige_vision/gvcp.h"
 
 namespace rigwire::hil {
@@ -33,6 +34,10 @@ using Json = nlohmann::ordered_json;
 constexpr Duration kScenePeriod = std::chrono::milliseconds{200};
 /// Of wall time, between two accounts of a Modbus line's registers.
 constexpr std::chrono::milliseconds kRegistersPeriod{200};
+/// Of wall time, between two datagrams of so many bytes that are told with their fields: nobody
+/// reads more, and the fields of a lidar's 1800 a second would take a core.
+constexpr std::chrono::milliseconds kBulkPeriod{20};
+constexpr std::size_t kBulkBytes = 1000;
 
 std::string hexadecimal(std::span<const std::uint8_t> bytes) {
   std::string text;
@@ -211,9 +216,13 @@ class RunStream::Wire final : public WireTap {
     }
     const auto lidar = std::ranges::find(stream.run_.lidars, name, &RecordedLidar::name);
     if (lidar != stream.run_.lidars.end()) {
-      const ChannelRow points = row(TruthTrack::points);
-      points_ = viewers.add(
-          {"/points/" + name, "json", std::string(points.schema_name), points.schema, 1});
+      namespace foxglove = protocols::foxglove;
+      points_ = viewers.add({.topic = "/points/" + name,
+                             .encoding = std::string(foxglove::kCdrEncoding),
+                             .schema_name = std::string(foxglove::kPointCloudSchemaName),
+                             .schema = std::string(foxglove::kPointCloudSchema),
+                             .depth = 1,
+                             .schema_encoding = std::string(foxglove::kCdrSchemaEncoding)});
       clouds_.emplace(*lidar, Duration{0});
     }
     if (kind == WireKind::can) {
@@ -241,6 +250,8 @@ class RunStream::Wire final : public WireTap {
 
  private:
   void decode_message(const Piece& piece);
+  /// Of datagrams with much in them, whose like come by the thousand, some are told.
+  [[nodiscard]] bool is_to_be_told(const Piece& piece);
   void hear(SimTime at, bool of_client, const WirePiece& piece);
   [[nodiscard]] bool wanted() const {
     const auto is = [this](const std::optional<Viewers::ChannelId>& channel) {
@@ -267,6 +278,8 @@ class RunStream::Wire final : public WireTap {
   SkyReader sky_reader_;
   std::optional<PictureReader> picture_reader_;
   std::optional<ModbusReader> modbus_;
+  std::chrono::steady_clock::time_point bulk_told_;
+  std::uint64_t left_out_ = 0;  ///< Of these, since the last message.
   std::mutex mutex_;
   std::string registers_text_;  ///< As they were told last; for who comes later.
 };
@@ -411,9 +424,8 @@ bool RunStream::Wire::decode(const Piece& piece) {
     return channel && !piece.of_client && stream_.viewers_.wanted(*channel);
   };
   if (wanted(points_)) {
-    if (const std::string* cloud =
-            clouds_->take(piece.at, piece.bytes, stream_.run_.start_unix_ns)) {
-      send(points_, *cloud);
+    if (const auto cloud = clouds_->take(piece.at, piece.bytes)) {
+      send(points_, cdr_message(*cloud, stream_.run_.start_unix_ns));
     }
   }
   if (wanted(fixes_)) {
@@ -457,6 +469,9 @@ void RunStream::Wire::decode_message(const Piece& piece) {
     if (!signals.is_null()) {
       message["signals"] = std::move(signals);
     }
+    if (left_out_ != 0) {
+      message["left_out"] = std::exchange(left_out_, 0);
+    }
     stream_.decoder_->send(*messages_, piece.at,
                            message.dump(-1, ' ', false, Json::error_handler_t::replace));
   };
@@ -476,10 +491,26 @@ void RunStream::Wire::decode_message(const Piece& piece) {
         .take(piece.bytes, [&](std::span<const std::uint8_t> bytes, const auto& /*content*/) {
           tell(bytes, read_serial(bytes), {});
         });
-  } else {
+  } else if (kind_ == WireKind::serial) {
+    tell(piece.bytes, read_serial(piece.bytes), {});
+  } else if (is_to_be_told(piece)) {
+    const bool controls = piece.end == protocols::gige_vision::kGvcpPort;
     tell(piece.bytes,
-         kind_ == WireKind::serial ? read_serial(piece.bytes) : read_datagram(piece.bytes), {});
+         !pictures_ ? read_datagram(piece.bytes)
+         : controls ? read_control_packet(piece.bytes)
+                    : read_stream_packet(piece.bytes),
+         {});
   }
+}
+
+bool RunStream::Wire::is_to_be_told(const Piece& piece) {
+  const auto now = std::chrono::steady_clock::now();
+  if (piece.bytes.size() >= kBulkBytes && now < bulk_told_ + kBulkPeriod) {
+    ++left_out_;
+    return false;
+  }
+  bulk_told_ = piece.bytes.size() >= kBulkBytes ? now : bulk_told_;
+  return true;
 }
 
 void RunStream::Wire::tell_registers(SimTime at) {

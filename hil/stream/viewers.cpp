@@ -434,7 +434,7 @@ std::string Viewers::advertisement() const {
                         {"encoding", about.encoding},
                         {"schemaName", about.schema_name},
                         {"schema", about.schema},
-                        {"schemaEncoding", "jsonschema"}});
+                        {"schemaEncoding", about.schema_encoding}});
   }
   return text_of({{"op", "advertise"}, {"channels", std::move(channels)}});
 }

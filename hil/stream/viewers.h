@@ -35,6 +35,7 @@ struct StreamChannel {
   std::size_t depth = 32;
   /// What who subscribes is told first; empty: nothing.
   std::function<std::string()> first{};
+  std::string schema_encoding = "jsonschema";
 };
 
 struct StreamService {

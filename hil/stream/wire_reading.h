@@ -29,11 +29,15 @@ struct WireReading {
 };
 
 /// Of a serial line: NMEA (protocols/nmea/field_names.h); UBX with its frame, of NAV-PVT, NAV-SAT,
-/// NAV-POSLLH, NAV-STATUS and of the acknowledgements the payload too; RTCM 3 by its number. What
-/// begins in the middle of a message has no fields.
+/// NAV-POSLLH, NAV-STATUS and of the acknowledgements the payload too; RTCM 3 with its frame, the
+/// station, of 1005 and 1006 where it is, of observations the head. What begins in the middle of a
+/// message has no fields.
 [[nodiscard]] WireReading read_serial(std::span<const std::uint8_t> bytes);
 /// Of a Velodyne lidar.
 [[nodiscard]] WireReading read_datagram(std::span<const std::uint8_t> bytes);
+/// Of a GigE Vision camera: of its stream (GVSP), and at its port of control (GVCP).
+[[nodiscard]] WireReading read_stream_packet(std::span<const std::uint8_t> bytes);
+[[nodiscard]] WireReading read_control_packet(std::span<const std::uint8_t> bytes);
 /// Of a CAN bus whose messages these are. The bytes are those of the frame's data.
 [[nodiscard]] WireReading read_frame(const protocols::can::Frame& frame,
                                      std::span<const protocols::can::OwnedMessage> messages);

@@ -17,6 +17,8 @@ namespace {
 using namespace std::chrono_literals;
 namespace velodyne = protocols::velodyne;
 
+constexpr std::int64_t kStart_unix_ns = 1'780'300'800'000'000'000;
+
 /// An HDL-32E at ten turns a second: each channel at 10 m.
 class Head {
  public:
@@ -61,10 +63,12 @@ TEST(LidarClouds, AreWholeTurnsOneInEveryPeriod) {
   Head head;
   std::vector<double> ends;
   std::optional<nlohmann::json> last;
+  std::string bytes_of_last;
   for (SimTime at = kStart; at < kStart + 3s; at += 553us) {
-    if (const std::string* message = clouds.take(at, head.next(), 1'780'300'800'000'000'000)) {
+    if (const auto cloud = clouds.take(at, head.next())) {
       ends.push_back(to_seconds(at));
-      last = nlohmann::json::parse(*message);
+      last = nlohmann::json::parse(json_message(*cloud, kStart_unix_ns));
+      bytes_of_last = cdr_message(*cloud, kStart_unix_ns);
     }
   }
   // The first turn that is whole, and one after each second.
@@ -77,6 +81,9 @@ TEST(LidarClouds, AreWholeTurnsOneInEveryPeriod) {
   const std::string data = from_base64((*last)["data"].get<std::string>());
   const std::size_t stride = (*last)["point_stride"].get<std::size_t>();
   ASSERT_EQ(data.size() % stride, 0U);
+  // A stream's message has the same points, at its end.
+  EXPECT_TRUE(bytes_of_last.ends_with(data));
+  EXPECT_LT(bytes_of_last.size() - data.size(), 256U);
   // A turn of 36000 counts in steps of 17, each of 32 channels.
   EXPECT_NEAR(static_cast<double>(data.size() / stride), 32.0 * 36'000 / 17, 32.0 * 12);
   const auto bytes = std::span(reinterpret_cast<const std::uint8_t*>(data.data()), data.size());
@@ -95,9 +102,9 @@ TEST(LidarClouds, AreWholeTurnsOneInEveryPeriod) {
 TEST(LidarClouds, OfWhatIsNoDataPacketAreNone) {
   LidarClouds clouds({"lidar", "upper", Eigen::Isometry3d::Identity()}, 1s);
   const std::array<std::uint8_t, 512> position{};
-  EXPECT_EQ(clouds.take(kStart, position, 0), nullptr);
+  EXPECT_FALSE(clouds.take(kStart, position));
   const std::array<std::uint8_t, velodyne::kDataPacketSize> zeros{};
-  EXPECT_EQ(clouds.take(kStart, zeros, 0), nullptr);
+  EXPECT_FALSE(clouds.take(kStart, zeros));
 }
 
 }  // namespace

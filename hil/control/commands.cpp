@@ -123,11 +123,14 @@ void visit(fields::Visitor& v, RecordCommand& p) {
 
 void visit(fields::Visitor& v, SetCommand& p) {
   v.text("on", p.on,
-         "What is set: the machine, or a device of those that `read` tells what is `settable` of.");
+         "What is set: the machine, the air, or a device of those that `read` tells what is "
+         "`settable` of.");
   v.required("set");
-  v.text("set", p.set,
-         "An object, or text. Of the machine set points by their names, null lets one go to the "
-         "client again; of a device keys as in a rig's file.");
+  v.text(
+      "set", p.set,
+      "An object, or text. Of the machine set points by their names, null lets one go to the "
+      "client again; of the air what is in it beside the rig's weather, {rain: 5 mm/h, fog: 40 m, "
+      "snow: null}; of a device keys as in a rig's file.");
 }
 
 void visit(fields::Visitor& v, Request& p) {

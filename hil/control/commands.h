@@ -96,11 +96,11 @@ struct RecordCommand {
 struct SetCommand {
   static constexpr fields::Named kNamed{
       "set",
-      "A hand takes set points of the machine, beside its client's, or lets them go; or a device "
-      "is "
-      "told some of its keys, as its own configuration software would."};
+      "A hand takes set points of the machine, beside its client's, or lets them go, or brings "
+      "rain, snow or fog into the air; or a device is told some of its keys, as its own "
+      "configuration software would."};
 
-  std::string on = "machine";  ///< Or a device.
+  std::string on = "machine";  ///< Or "air", or a device.
   std::string set;             ///< "{boom: 0.5, swing: null}"; null lets go. "{rate: 5 Hz}"
 };
 struct StopCommand {

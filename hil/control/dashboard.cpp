@@ -1,7 +1,11 @@
 #include "hil/control/dashboard.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <tuple>
@@ -56,6 +60,34 @@ std::optional<MountConfiguration> mount_of(const OutlineNode& keys) {
   Reader(document, problems, origins).read(fields::Part::of(mount));
   problems.throw_if_any();
   return mount;
+}
+
+/// A value as a rig's file has it: numbers, true and false as such, everything else as texts.
+std::string json_of_yaml(const std::string& yaml) {
+  Problems problems;
+  const Value value = parse_request(yaml, "value", problems);
+  const auto json_of = [](const Value& one) {
+    const Json json = Json::parse(one.scalar, nullptr, false);
+    return json.is_number() || json.is_boolean() ? json : Json(one.scalar);
+  };
+  if (value.kind == Value::Kind::list) {
+    Json list = Json::array();
+    for (const Value& one : value.items) {
+      list.push_back(one.scalar);
+    }
+    return list.dump();
+  }
+  return value.kind == Value::Kind::scalar ? json_of(value).dump() : std::string();
+}
+
+/// Why something was refused, in one sentence.
+std::string said(const Reply& reply) {
+  const Json json = Json::parse(reply.json);
+  std::string text = json.value("what", "refused");
+  if (const std::string allowed = json.value("allowed", ""); !allowed.empty()) {
+    text += "; allowed " + allowed;
+  }
+  return text;
 }
 
 bool has_key(const OutlineNode& keys, std::string_view key) {
@@ -177,16 +209,18 @@ void Dashboard::serve(Desk& desk) {
           json.dump(-1, ' ', false, Json::error_handler_t::replace), "the request",
           [answer](const Reply& reply) {
             const bool done = reply.outcome == Reply::Outcome::done;
-            answer(done, done ? reply.json : Json::parse(reply.json).value("what", "refused"));
+            answer(done, done ? reply.json : said(reply));
           },
           // Who has a port's token need not be this user.
           Desk::Asker::anybody);
     };
     viewers.add(std::move(service));
   }
+  viewers.offer({[this] { return parameters(); },
+                 [this](const auto& wanted, const auto& done) { set_parameters(wanted, done); }});
   if (duration_) {
     viewers.set_range(stream_.unix_ns(kStart), stream_.unix_ns(kStart + *duration_));
-    viewers.on_playback([this](const auto& control) { control_playback(control); });
+    viewers.on_playback([this](const auto& control) { return control_playback(control); });
   }
   tick();
 }
@@ -195,7 +229,11 @@ void Dashboard::tick() {
   Viewers& viewers = stream_.viewers();
   const std::uint64_t now = stream_.unix_ns(executive_.now());
   viewers.tick(now);
-  if (ticks_++ % kTicksPerStatus == 0 && viewers.wanted(status_)) {
+  const bool tells_status = ticks_++ % kTicksPerStatus == 0;
+  if (tells_status) {
+    viewers.tell_parameters();
+  }
+  if (tells_status && viewers.wanted(status_)) {
     desk_->carry_out(Request{ReadCommand{}}, [this, now](const Reply& reply) {
       Json json = Json::parse(reply.json);
       const Viewers::Figures figures = stream_.viewers().figures();
@@ -217,31 +255,107 @@ void Dashboard::tick() {
   });
 }
 
-void Dashboard::control_playback(const foxglove::PlaybackControl& control) {
-  const auto ask = [this](Command command) {
-    desk_->carry_out(Request{std::move(command)}, [](const Reply&) {});
-  };
-  if (control.plays) {
-    ask(ResumeCommand{});
-  } else {
-    ask(PauseCommand{});
+std::vector<StreamParameter> Dashboard::parameters() const {
+  std::vector<StreamParameter> all;
+  for (const Desk::Setting& setting : desk_->settings()) {
+    all.push_back({setting.on + "." + setting.key, json_of_yaml(setting.value)});
   }
-  const double factor = static_cast<double>(control.speed);
-  if (control.speed != speed_ && factor >= kLeastFactor && factor <= kGreatestFactor) {
-    desk_->carry_out(Request{SpeedCommand{factor}}, [this, speed = control.speed](const Reply& r) {
-      speed_ = r.outcome == Reply::Outcome::done ? speed : speed_;
-    });
-  }
-  // A run goes one way: who asks for another instant is told where it is.
-  tell_playback(control.request);
+  return all;
 }
 
-void Dashboard::tell_playback(std::string_view request) {
+void Dashboard::set_parameters(const std::vector<StreamParameter>& wanted,
+                               const StreamParameters::Done& done) {
+  // What is of one thing goes in one request, since its keys may only fit together.
+  std::map<std::string, Json> of_each;
+  std::vector<std::string> refused;
+  for (const StreamParameter& one : wanted) {
+    const std::size_t dot = one.name.find('.');
+    if (dot == std::string::npos) {
+      refused.push_back("there is no parameter " + one.name);
+    } else {
+      of_each[one.name.substr(0, dot)][one.name.substr(dot + 1)] =
+          one.json.empty() ? Json(nullptr) : Json::parse(one.json);
+    }
+  }
+  for (const auto& [on, keys] : of_each) {
+    // Answered at once, as it has no instant of its own.
+    desk_->carry_out(
+        Json{{"verb", "set"}, {"on", on}, {"set", keys}}.dump(), "the parameters",
+        [&refused, &on = on](const Reply& reply) {
+          if (reply.outcome != Reply::Outcome::done) {
+            refused.push_back(on + ": " + said(reply));
+          }
+        },
+        Desk::Asker::anybody);
+  }
+  done(refused);
+}
+
+std::string Dashboard::control_playback(const foxglove::PlaybackControl& control) {
+  if (control.seek_ns) {
+    const std::string why = seek(*control.seek_ns, std::string(control.request));
+    if (!why.empty()) {
+      tell_playback(control.request);
+    }
+    return why;
+  }
+  std::string refused;
+  const auto ask = [&](Command command) {
+    bool done = false;
+    desk_->carry_out(Request{std::move(command)}, [&](const Reply& reply) {
+      done = reply.outcome == Reply::Outcome::done;
+      refused = done ? refused : said(reply);
+    });
+    return done;
+  };
+  const double factor = static_cast<double>(control.speed);
+  if (control.speed != speed_) {
+    if (!(factor >= kLeastFactor && factor <= kGreatestFactor)) {
+      refused = fmt::format("found speed {:g}, allowed {:g} to {:g}", factor, kLeastFactor,
+                            kGreatestFactor);
+    } else if (ask(SpeedCommand{factor})) {
+      speed_ = control.speed;
+    }
+  }
+  // Answered when what is due has left, after this.
+  desk_->carry_out(Request{control.plays ? Command{ResumeCommand{}} : Command{PauseCommand{}}},
+                   [](const Reply&) {});
+  tell_playback(control.request);
+  return refused;
+}
+
+std::string Dashboard::seek(std::uint64_t unix_ns, const std::string& request) {
+  const auto now = stream_.unix_ns(executive_.now());
+  if (unix_ns <= now) {
+    return "a run cannot go back, devices have sent what they have sent; start it again and go "
+           "forward";
+  }
+  if (desk_->clock().paced()) {
+    return fmt::format(
+        "this run follows the wall clock ({}); one with --clock step can be sent "
+        "forward",
+        to_string(desk_->clock()));
+  }
+  // Refused at once or answered when time stands there, which may be after this.
+  const auto refused = std::make_shared<std::string>();
+  const SimTime until = executive_.now() + Duration{static_cast<std::int64_t>(unix_ns - now)};
+  desk_->carry_out(Request{RunUntilCommand{until - kStart}},
+                   [this, request, refused](const Reply& reply) {
+                     if (reply.outcome == Reply::Outcome::done) {
+                       tell_playback(request, true);
+                     } else {
+                       *refused = said(reply);
+                     }
+                   });
+  return *refused;
+}
+
+void Dashboard::tell_playback(std::string_view request, bool did_seek) {
   told_paused_ = executive_.paused();
   if (duration_) {
     stream_.viewers().tell_playback(
         told_paused_ ? foxglove::PlaybackStatus::paused : foxglove::PlaybackStatus::playing,
-        stream_.unix_ns(executive_.now()), speed_, request);
+        stream_.unix_ns(executive_.now()), speed_, did_seek, request);
   }
 }
 

@@ -1,12 +1,13 @@
 // A run's page and everybody else who looks on by its stream: joins the stream (hil/stream/) with
-// the desk. Every command of the desk is a service of the stream, what `read` answers a channel,
-// the viewers' transport bar pauses and paces.
+// the desk. Every command of the desk is a service of the stream, what `set` can set are its
+// parameters, what `read` answers a channel, the viewers' transport bar pauses and paces.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hil/control/desk.h"
 #include "hil/control/page_files.h"
@@ -37,8 +38,13 @@ class Dashboard {
 
  private:
   void tick();
-  void control_playback(const protocols::foxglove::PlaybackControl& control);
-  void tell_playback(std::string_view request);
+  [[nodiscard]] std::vector<StreamParameter> parameters() const;
+  void set_parameters(const std::vector<StreamParameter>& wanted,
+                      const StreamParameters::Done& done);
+  [[nodiscard]] std::string control_playback(const protocols::foxglove::PlaybackControl& control);
+  /// Goes on to that instant, as a clock that steps can; else why not.
+  [[nodiscard]] std::string seek(std::uint64_t unix_ns, const std::string& request);
+  void tell_playback(std::string_view request, bool did_seek = false);
 
   boost::asio::steady_timer timer_;
   RunStream& stream_;

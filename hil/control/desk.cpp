@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/post.hpp>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,32 @@ using Json = nlohmann::ordered_json;
 
 /// What `set` calls it.
 constexpr std::string_view kMachine = "machine";
+
+/// What a hand brings into the air: faults of it (sim/weather/air_fault.h), each with the key that
+/// says how much.
+constexpr std::string_view kAir = "air";
+struct AirKey {
+  std::string_view kind;
+  std::string_view key;
+};
+constexpr std::array<AirKey, 3> kAirKeys{
+    {{"rain", "rate"}, {"snow", "rate"}, {"fog", "visibility"}}};
+
+std::vector<std::string> air_names() {
+  std::vector<std::string> names;
+  std::ranges::transform(kAirKeys, std::back_inserter(names),
+                         [](const AirKey& key) { return std::string(key.kind); });
+  return names;
+}
+
+Value scalar_like(const Value& like, std::string text) {
+  return {.kind = Value::Kind::scalar,
+          .scalar = std::move(text),
+          .items = {},
+          .entries = {},
+          .where = like.where,
+          .folder = like.folder};
+}
 
 /// Between two looks at a quantity that is waited for.
 constexpr Duration kLook = std::chrono::milliseconds{1};
@@ -301,6 +328,7 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
     faults.push_back(json_of(fault));
   }
   done(answer, {{"machine", machine()},
+                {"air", has_air() ? air() : Json(nullptr)},
                 {"devices", std::move(devices)},
                 {"faults", std::move(faults)},
                 {"slipped_s", to_seconds(status.slipped)},
@@ -335,7 +363,6 @@ void Desk::act(const WaitCommand& command, const Answer& answer) {
 
 void Desk::act(const FaultAddCommand& command, const Answer& answer) {
   Problems problems;
-  Origins origins;
   Value keys = parse_request(command.fault, "fault", problems);
   const Value* const type_key = keys.find("type");
   if (problems.empty() && (type_key == nullptr || type_key->kind != Value::Kind::scalar)) {
@@ -346,30 +373,10 @@ void Desk::act(const FaultAddCommand& command, const Answer& answer) {
             {"allowed", "keys as in a rig's file: {type: jamming, for: 5 s}"}});
     return;
   }
-  const auto fill = [&](const fields::Part& fault, SimTime soonest) {
-    if (keys.find("at") == nullptr) {
-      const Value at{.kind = Value::Kind::scalar,
-                     .scalar = fmt::format("{} ns", nanoseconds(soonest)),
-                     .items = {},
-                     .entries = {},
-                     .where = keys.where,
-                     .folder = keys.folder};
-      keys.entries.push_back({"at", keys.where, at});
-    }
-    Reader(keys, problems, origins).read(fault);
-    return problems.empty();
-  };
   try {
-    const std::string type = problems.empty() ? type_key->scalar : std::string();
-    const auto begun = problems.empty()
-                           ? run_.faults.begin(executive_.now(), command.on, type, fill)
-                           : std::nullopt;
+    const auto begun =
+        problems.empty() ? begin_fault(command.on, std::move(keys), problems) : std::nullopt;
     if (begun) {
-      if (run_.recorder != nullptr) {
-        // With the instant at which it begins.
-        run_.recorder->command(
-            Json{{"verb", "fault_add"}, {"on", command.on}, {"fault", json_text(keys)}}.dump());
-      }
       done(answer, {{"fault", json_of(*begun)}});
     } else {
       refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
@@ -381,16 +388,41 @@ void Desk::act(const FaultAddCommand& command, const Answer& answer) {
   }
 }
 
+std::optional<RigFaults::Numbered> Desk::begin_fault(const std::string& on, Value keys,
+                                                     Problems& problems) {
+  Origins origins;
+  const auto fill = [&](const fields::Part& fault, SimTime soonest) {
+    if (keys.find("at") == nullptr) {
+      keys.entries.push_back(
+          {"at", keys.where, scalar_like(keys, fmt::format("{} ns", nanoseconds(soonest)))});
+    }
+    Reader(keys, problems, origins).read(fault);
+    return problems.empty();
+  };
+  auto begun = run_.faults.begin(executive_.now(), on, keys.find("type")->scalar, fill);
+  if (begun && run_.recorder != nullptr) {
+    // With the instant at which it begins.
+    run_.recorder->command(
+        Json{{"verb", "fault_add"}, {"on", on}, {"fault", json_text(keys)}}.dump());
+  }
+  return begun;
+}
+
 void Desk::act(const FaultClearCommand& command, const Answer& answer) {
   try {
-    const Json ended = json_of(run_.faults.end(executive_.now(), command.id));
-    if (run_.recorder != nullptr) {
-      run_.recorder->command(Json{{"verb", "fault_clear"}, {"id", command.id}}.dump());
-    }
-    done(answer, {{"fault", ended}});
+    done(answer, {{"fault", json_of(end_fault(command.id))}});
   } catch (const NoSuchFault& error) {
     refuse(answer, Reply::Outcome::wrong, json_of(error));
   }
+}
+
+RigFaults::Numbered Desk::end_fault(RigFaults::Id id) {
+  RigFaults::Numbered ended = run_.faults.end(executive_.now(), id);
+  std::erase_if(air_, [id](const auto& brought) { return brought.second.id == id; });
+  if (run_.recorder != nullptr) {
+    run_.recorder->command(Json{{"verb", "fault_clear"}, {"id", id}}.dump());
+  }
+  return ended;
 }
 
 void Desk::act(const FaultListCommand&, const Answer& answer) {
@@ -530,6 +562,9 @@ void Desk::act(const SetCommand& command, const Answer& answer) {
   if (run_.hand != nullptr) {
     names.emplace_back(kMachine);
   }
+  if (has_air()) {
+    names.emplace_back(kAir);
+  }
   if (run_.settings != nullptr) {
     const std::vector<std::string> devices = run_.settings->names();
     names.insert(names.end(), devices.begin(), devices.end());
@@ -543,6 +578,7 @@ void Desk::act(const SetCommand& command, const Answer& answer) {
     return;
   }
   const bool of_machine = run_.hand != nullptr && command.on == kMachine;
+  const bool of_air = command.on == kAir;
   Problems problems;
   const Value keys = parse_request(command.set, "set", problems);
   if (!problems.empty()) {
@@ -551,6 +587,8 @@ void Desk::act(const SetCommand& command, const Answer& answer) {
     std::vector<std::string> allowed;
     if (of_machine) {
       allowed = run_.hand->settings().names();
+    } else if (of_air) {
+      allowed = air_names();
     } else {
       for (const LiveKey& key : run_.settings->keys(command.on)) {
         allowed.emplace_back(key.key);
@@ -563,9 +601,37 @@ void Desk::act(const SetCommand& command, const Answer& answer) {
             {"allowed", "some of " + join_words(allowed)}});
   } else if (of_machine) {
     set_machine(command, keys, answer);
+  } else if (of_air) {
+    set_air(keys, answer);
   } else {
     set_device(command, keys, answer);
   }
+}
+
+std::vector<Desk::Setting> Desk::settings() const {
+  std::vector<Setting> all;
+  if (run_.hand != nullptr) {
+    for (const HandSettings::Row& row : run_.hand->settings().rows()) {
+      const auto held = held_.find(row.name);
+      all.push_back(
+          {std::string(kMachine), row.name, held == held_.end() ? std::string() : held->second});
+    }
+  }
+  if (has_air()) {
+    for (const AirKey& key : kAirKeys) {
+      const auto brought = air_.find(std::string(key.kind));
+      all.push_back({std::string(kAir), std::string(key.kind),
+                     brought == air_.end() ? std::string() : brought->second.value});
+    }
+  }
+  if (run_.settings != nullptr) {
+    for (const std::string& device : run_.settings->names()) {
+      for (const LiveKey& key : run_.settings->keys(device)) {
+        all.push_back({device, std::string(key.key), run_.settings->value(device, key.key)});
+      }
+    }
+  }
+  return all;
 }
 
 void Desk::tell_set(EventKind kind, const std::string& where, const std::string& text) {
@@ -604,17 +670,99 @@ void Desk::set_machine(const SetCommand& command, const Value& keys, const Answe
   for (const Value::Entry& entry : taken.entries) {
     const HandSettings::Row& row = *settings.find(entry.key);
     orders.push_back({row, row.value});
+    held_[row.name] = entry.value.scalar;
     tell_set(EventKind::set, row.name,
              fmt::format("a hand sets {} to {}", row.name, entry.value.scalar));
   }
   for (const std::string& name : released) {
     orders.push_back({*settings.find(name), std::nullopt});
+    held_.erase(name);
     tell_set(EventKind::released, name, fmt::format("a hand lets {} go", name));
   }
   const SimTime acts_from = executive_.soonest_request();
   run_.hand->order(orders);
   note(command);
   done(answer, {{"acts_from_ns", nanoseconds(acts_from)}});
+}
+
+void Desk::set_air(const Value& keys, const Answer& answer) {
+  struct Change {
+    const AirKey* of;
+    std::string value;  ///< Empty: it is let go.
+  };
+  // All of them are looked at before the first one acts.
+  std::vector<Change> changes;
+  for (const Value::Entry& entry : keys.entries) {
+    const auto of = std::ranges::find(kAirKeys, entry.key, &AirKey::kind);
+    const bool lets_go = entry.value.kind == Value::Kind::null;
+    if (of == kAirKeys.end() || !(lets_go || entry.value.kind == Value::Kind::scalar)) {
+      refuse(answer, Reply::Outcome::wrong,
+             {{"what", of == kAirKeys.end() ? "no hand brings that into the air" : "no value"},
+              {"path", printable(entry.key)},
+              {"found", printable(entry.value.description())},
+              {"allowed",
+               of == kAirKeys.end() ? join_words(air_names()) : "a value with its unit, or null"}});
+      return;
+    }
+    changes.push_back({&*of, entry.value.scalar});
+  }
+  std::vector<std::pair<const AirKey*, Brought>> begun;
+  const auto take_back = [&] {
+    for (const auto& [of, brought] : begun) {
+      end_fault(brought.id);
+    }
+  };
+  SimTime acts_from = executive_.soonest_request();
+  for (const Change& change : changes) {
+    if (change.value.empty()) {
+      continue;
+    }
+    Value fault = keys;
+    fault.entries = {{"type", keys.where, scalar_like(keys, std::string(change.of->kind))},
+                     {std::string(change.of->key), keys.where, scalar_like(keys, change.value)}};
+    Problems problems;
+    if (const auto one = begin_fault(std::string(kAir), std::move(fault), problems)) {
+      begun.emplace_back(change.of, Brought{one->id, change.value});
+      acts_from = std::max(acts_from, one->window.begin);
+    } else {
+      take_back();
+      Json why = json_of(problems.sorted().front());
+      why["path"] = change.of->kind;
+      refuse(answer, Reply::Outcome::wrong, std::move(why));
+      return;
+    }
+  }
+  for (const Change& change : changes) {
+    const std::string kind(change.of->kind);
+    if (const auto before = air_.find(kind); before != air_.end()) {
+      end_fault(before->second.id);
+    }
+    if (change.value.empty()) {
+      tell_set(EventKind::released, std::string(kAir), fmt::format("a hand lets {} go", kind));
+    } else {
+      tell_set(EventKind::set, std::string(kAir),
+               fmt::format("{} is set to {}", kind, change.value));
+    }
+  }
+  for (auto& [of, brought] : begun) {
+    air_[std::string(of->kind)] = std::move(brought);
+  }
+  done(answer, {{"acts_from_ns", nanoseconds(acts_from)}});
+}
+
+bool Desk::has_air() const {
+  const auto targets = run_.faults.targets();
+  return std::ranges::any_of(targets, [](const auto& target) { return target.name == kAir; });
+}
+
+Json Desk::air() const {
+  Json values = Json::object();
+  for (const AirKey& key : kAirKeys) {
+    const auto brought = air_.find(std::string(key.kind));
+    values[std::string(key.kind)] =
+        brought == air_.end() ? Json(nullptr) : Json(printable(brought->second.value));
+  }
+  return values;
 }
 
 void Desk::set_device(const SetCommand& command, const Value& keys, const Answer& answer) {

@@ -19,12 +19,14 @@
 #include <filesystem>
 #include <functional>
 #include <list>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "hil/configuration/problems.h"
 #include "hil/control/commands.h"
 #include "hil/executive/clock.h"
 #include "hil/executive/event_source.h"
@@ -94,6 +96,14 @@ class Desk final : public EventSource {
   /// The same at that instant, whatever the text says of it.
   void carry_out_at(SimTime at, const std::string& text, const std::string& name, Answer answer);
   [[nodiscard]] std::string metrics() const { return run_.metrics(); }
+  [[nodiscard]] ClockMode clock() const { return run_.clock; }
+  /// What `set` can set, and its value as a rig's file has it; empty: no hand holds it.
+  struct Setting {
+    std::string on;
+    std::string key;
+    std::string value;
+  };
+  [[nodiscard]] std::vector<Setting> settings() const;
   /// Answers all that still waits: the run has ended.
   void end();
 
@@ -136,8 +146,9 @@ class Desk final : public EventSource {
   void act(const SetCommand& command, const Answer& answer);
   void act(const StopCommand&, const Answer& answer);
 
-  /// Of what `set` names: the machine by hand, or a device.
+  /// Of what `set` names: the machine by hand, the air, or a device.
   void set_machine(const SetCommand& command, const Value& keys, const Answer& answer);
+  void set_air(const Value& keys, const Answer& answer);
   void set_device(const SetCommand& command, const Value& keys, const Answer& answer);
   void tell_set(EventKind kind, const std::string& where, const std::string& text);
   /// For a recording.
@@ -164,6 +175,15 @@ class Desk final : public EventSource {
   /// When what is due up to now has left.
   void later(std::function<void()> what);
   [[nodiscard]] nlohmann::ordered_json machine() const;
+  [[nodiscard]] nlohmann::ordered_json air() const;
+  /// Whether there is air, and what a hand can bring into it.
+  [[nodiscard]] bool has_air() const;
+  /// Begins a fault from now on, for a recording too; nothing: `problems` says why. Throws
+  /// NoSuchFault and std::invalid_argument as RigFaults.
+  [[nodiscard]] std::optional<RigFaults::Numbered> begin_fault(const std::string& on, Value keys,
+                                                               Problems& problems);
+  /// Throws NoSuchFault.
+  RigFaults::Numbered end_fault(RigFaults::Id id);
 
   boost::asio::io_context& io_;
   Executive& executive_;
@@ -171,6 +191,13 @@ class Desk final : public EventSource {
   std::list<Queued> queue_;     ///< In order of time, of equals as they came.
   std::list<Journey> journey_;  ///< One at most.
   std::vector<std::pair<EventsCommand, Answer>> listening_;
+  std::map<std::string, std::string> held_;  ///< Set points that a hand holds; as it was written.
+  /// What a hand has brought into the air, by its kind: a fault that lasts until it is let go.
+  struct Brought {
+    RigFaults::Id id = 0;
+    std::string value;  ///< As it was written.
+  };
+  std::map<std::string, Brought> air_;
   bool recording_ends_ = false;
   bool ended_ = false;
 };

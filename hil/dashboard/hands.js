@@ -1,6 +1,12 @@
 // Hands on the run: time, faults, sticks, recordings. Everything goes through the control surface.
 
 const FAULTS_MS = 500;
+// What a hand brings into the air, beside the rig's weather: the slider goes from 0, nothing, to 1.
+const AIR = [
+  { kind: "rain", title: "rain", value: (share) => `${(100 ** share).toFixed(1)} mm/h` },
+  { kind: "snow", title: "snow", value: (share) => `${(20 ** share).toFixed(1)} mm/h` },
+  { kind: "fog", title: "fog, visibility", value: (share) => `${Math.round(2000 * 0.005 ** share)} m` },
+];
 
 export class Hands {
   // `faultsAre(faults, time_s)` is told of all of them, from time to time.
@@ -17,6 +23,7 @@ export class Hands {
     run.addEventListener("open", () => this.offerFaults());
     parts.pause.addEventListener("click", () => this.ask(this.paused ? "resume" : "pause"));
     parts.step.addEventListener("click", () => this.ask("step", { length: parts.stepLength.value }));
+    parts.go.addEventListener("click", () => this.ask("run_until", { time: parts.goTime.value }));
     parts.speed.addEventListener("change", () => this.ask("speed", { factor: parts.speed.value }));
     parts.record.addEventListener("click", () => this.record());
     parts.faultOn.addEventListener("change", () => this.offerKinds());
@@ -47,6 +54,7 @@ export class Hands {
     this.parts.record.textContent = status.recording ? "End recording" : "Record";
     this.parts.record.title = status.recording ?? "";
     this.offerSticks(status.machine.settable ?? []);
+    this.showAir(status.air);
   }
 
   showPaused(paused) {
@@ -132,6 +140,46 @@ export class Hands {
     this.listFaults();
   }
 
+  // Weather ----------------------------------------------------------------------------------------
+
+  showAir(air) {
+    if (!air) return; // a run without a world
+    if (this.parts.weather.childElementCount === 0) this.parts.weather.append(...AIR.map((one) => this.airRow(one)));
+    for (const { kind } of AIR) {
+      const row = this.parts.weather.querySelector(`[data-air=${kind}]`);
+      row.classList.toggle("held", air[kind] !== null);
+      row.querySelector("output").textContent = air[kind] ?? "none";
+      // Let go by another hand it goes back; one that is being moved stays under the mouse.
+      if (air[kind] === null && !row.contains(document.activeElement)) row.querySelector("input").value = 0;
+    }
+  }
+
+  airRow({ kind, title, value }) {
+    const row = document.createElement("div");
+    row.className = "stick";
+    row.dataset.air = kind;
+    const label = document.createElement("label");
+    label.htmlFor = `air-${kind}`;
+    const name = document.createElement("span");
+    name.textContent = title;
+    label.append(name, " ", document.createElement("output"));
+    const input = document.createElement("input");
+    Object.assign(input, { id: label.htmlFor, type: "range", min: 0, max: 1, step: 0.01, value: 0 });
+    input.addEventListener("change", () => {
+      const share = Number(input.value);
+      this.ask("set", { on: "air", set: { [kind]: share > 0 ? value(share) : null } });
+    });
+    const release = document.createElement("button");
+    release.type = "button";
+    release.textContent = "Let go";
+    release.addEventListener("click", () => {
+      input.value = 0;
+      this.ask("set", { on: "air", set: { [kind]: null } });
+    });
+    row.append(label, input, release);
+    return row;
+  }
+
   // Sticks -----------------------------------------------------------------------------------------
 
   // A slider for each set point of the machine that has a range, else a field.
@@ -168,6 +216,7 @@ export class Hands {
 
   // What happened to a set point, by whatever hand: the page's, `ctl`'s, a program's.
   note({ kind, where, text }) {
+    if (where === "air" || !text.startsWith("a hand ")) return; // what a device is told holds nothing
     if (kind === "set") this.held.set(where, text.slice(text.lastIndexOf(" ") + 1));
     else if (kind === "released") this.held.delete(where);
     else return;

@@ -55,6 +55,8 @@ const hands = new Hands(run, {
   pause: part("pause"),
   step: part("step"),
   stepLength: part("step-length"),
+  go: part("go"),
+  goTime: part("go-time"),
   speed: part("speed"),
   record: part("record"),
   fault: part("fault"),
@@ -63,6 +65,7 @@ const hands = new Hands(run, {
   faultKeys: part("fault-keys"),
   faultText: part("fault-text"),
   faults: part("faults"),
+  weather: part("weather"),
   sticks: part("sticks"),
   answer: part("answer"),
 }, (faults, now_s) => {

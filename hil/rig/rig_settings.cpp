@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "hil/configuration/outline.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/reader.h"
 #include "hil/configuration/suggest.h"
@@ -90,6 +91,19 @@ std::vector<std::string> RigSettings::names() const {
 std::vector<LiveKey> RigSettings::keys(const std::string& name) const {
   const auto entry = std::ranges::find(entries_, name, &Entry::name);
   return entry == entries_.end() ? std::vector<LiveKey>{} : entry->configuration->live_keys();
+}
+
+std::string RigSettings::value(const std::string& name, std::string_view key) const {
+  const auto entry = std::ranges::find(entries_, name, &Entry::name);
+  const auto copy = entry->configuration->copy();
+  const OutlineNode keys = outline_part(fields::Part::of(*copy));
+  const OutlineNode* node = &keys;
+  for (std::size_t from = 0; from < key.size();) {
+    const std::size_t dot = std::min(key.find('.', from), key.size());
+    node = &*std::ranges::find(node->children, key.substr(from, dot - from), &OutlineNode::key);
+    from = dot + 1;
+  }
+  return node->value;
 }
 
 RigSettings::Outcome RigSettings::tell(SimTime now, const std::string& name, const Value& keys) {

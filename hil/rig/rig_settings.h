@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hil/configuration/document.h"
@@ -24,6 +25,10 @@ class RigSettings {
   [[nodiscard]] std::vector<std::string> names() const;
   /// Of that device; empty where there is none.
   [[nodiscard]] std::vector<LiveKey> keys(const std::string& name) const;
+
+  /// Of one of keys(): what the device was made of or has been set since, as a rig's file has it.
+  /// What a client has changed on its wire is not known here.
+  [[nodiscard]] std::string value(const std::string& name, std::string_view key) const;
 
   /// What became of a request.
   struct Outcome {

@@ -132,6 +132,21 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
     return {};
   }
 
+  [[nodiscard]] bool follows_parameters() const { return !followed_.empty(); }
+  void tell_parameters(const std::vector<StreamParameter>& now) {
+    std::vector<StreamParameter> changed;
+    for (const StreamParameter& one : now) {
+      const auto told = followed_.find(one.name);
+      if (told != followed_.end() && told->second != one.json) {
+        told->second = one.json;
+        changed.push_back(one);
+      }
+    }
+    if (!changed.empty()) {
+      answer_parameters(changed, std::nullopt);
+    }
+  }
+
   /// It is gone.
   void leave() {
     for (const auto& [id, subscription] : subscriptions_) {
@@ -215,8 +230,13 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
       });
     } else if (op == "fetchAsset") {
       fetch(json);
-    } else {
-      complain(fmt::format("found op {}, allowed subscribe, unsubscribe, fetchAsset", op));
+    } else if (!(all_->parameters_ && receive_of_parameters(op, json))) {
+      complain(fmt::format("found op {}, allowed subscribe, unsubscribe, fetchAsset{}",
+                           printable(op),
+                           all_->parameters_ ? ", getParameters, setParameters, "
+                                               "subscribeParameterUpdates, "
+                                               "unsubscribeParameterUpdates"
+                                             : ""));
     }
   }
 
@@ -276,6 +296,140 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
     }
   }
 
+  /// False: it is none of that kind.
+  bool receive_of_parameters(const std::string& op, const Json& json) {
+    if (op == "getParameters") {
+      names(json, [&](const std::vector<std::string>& asked) {
+        answer_parameters(asked.empty() ? all_->parameters_->all() : parameters(asked),
+                          request_id(json));
+      });
+    } else if (op == "setParameters") {
+      set_parameters(json);
+    } else if (op == "subscribeParameterUpdates") {
+      names(json, [this](const std::vector<std::string>& asked) {
+        for (StreamParameter& one : asked.empty() ? all_->parameters_->all() : parameters(asked)) {
+          followed_.try_emplace(std::move(one.name), std::move(one.json));
+        }
+      });
+    } else if (op == "unsubscribeParameterUpdates") {
+      names(json, [this](const std::vector<std::string>& asked) {
+        if (asked.empty()) {
+          followed_.clear();
+        }
+        for (const std::string& name : asked) {
+          if (followed_.erase(name) == 0) {
+            complain("found parameter " + name + ", which is not subscribed to");
+          }
+        }
+      });
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  /// use(the list of texts `parameterNames`), if that is one.
+  template <class Use>
+  void names(const Json& json, const Use& use) {
+    std::vector<std::string> all;
+    const auto found = json.find("parameterNames");
+    if (found == json.end() || !found->is_array() ||
+        !std::ranges::all_of(*found, [](const Json& one) { return one.is_string(); })) {
+      complain("no list of texts `parameterNames`");
+      return;
+    }
+    for (const Json& one : *found) {
+      all.push_back(one.get<std::string>());
+    }
+    use(all);
+  }
+
+  static std::optional<std::string> request_id(const Json& json) {
+    const auto found = json.find("id");
+    return found != json.end() && found->is_string() ? std::optional(found->get<std::string>())
+                                                     : std::nullopt;
+  }
+
+  /// Those of these names; complains of what there is not.
+  std::vector<StreamParameter> parameters(const std::vector<std::string>& names) {
+    std::vector<StreamParameter> known = all_->parameters_->all();
+    for (const std::string& name : names) {
+      if (std::ranges::count(known, name, &StreamParameter::name) == 0) {
+        complain("there is no parameter " + name);
+      }
+    }
+    std::erase_if(known, [&](const StreamParameter& one) {
+      return std::ranges::count(names, one.name) == 0;
+    });
+    return known;
+  }
+
+  void answer_parameters(const std::vector<StreamParameter>& parameters,
+                         const std::optional<std::string>& id) {
+    Json list = Json::array();
+    for (const StreamParameter& one : parameters) {
+      Json& told = list.emplace_back(Json{{"name", one.name}});
+      if (!one.json.empty()) {
+        told["value"] = Json::parse(one.json);
+        if (told["value"].is_number()) {
+          told["type"] = "float64";
+        }
+      }
+    }
+    Json message{{"op", "parameterValues"}, {"parameters", std::move(list)}};
+    if (id) {
+      message["id"] = *id;
+    }
+    answer_text(text_of(message));
+  }
+
+  void set_parameters(const Json& json) {
+    const auto found = json.find("parameters");
+    if (found == json.end() || !found->is_array()) {
+      complain("no list `parameters`");
+      return;
+    }
+    std::vector<StreamParameter> wanted;
+    std::vector<std::string> asked;
+    for (const Json& one : *found) {
+      const auto name = one.is_object() ? one.find("name") : one.end();
+      if (name == one.end() || !name->is_string()) {
+        complain("a parameter needs a text `name`");
+        return;
+      }
+      const auto type = one.find("type");
+      static const Json kNone;
+      const auto found_value = one.find("value");
+      const Json& value = found_value == one.end() ? kNone : *found_value;
+      const bool plain = value.is_primitive() ||
+                         (value.is_array() && std::ranges::all_of(value, [](const Json& item) {
+                            return item.is_primitive();
+                          }));
+      if (!plain || (type != one.end() && *type == "byte_array")) {
+        complain(printable(name->get<std::string>()) +
+                 " has another value than numbers, texts, true and false, and lists of them");
+        return;
+      }
+      asked.push_back(name->get<std::string>());
+      wanted.push_back({asked.back(), value.is_null() ? std::string() : text_of(value)});
+    }
+    all_->parameters_->set(wanted, [viewer = weak_from_this(), asked, id = request_id(json)](
+                                       const std::vector<std::string>& refused) {
+      if (const auto self = viewer.lock()) {
+        for (const std::string& why : refused) {
+          self->complain(why);
+        }
+        if (id) {
+          std::vector<StreamParameter> now = self->all_->parameters_->all();
+          std::erase_if(now, [&](const StreamParameter& one) {
+            return std::ranges::count(asked, one.name) == 0;
+          });
+          self->answer_parameters(now, id);
+        }
+      }
+    });
+  }
+
   void receive_frame(std::string_view bytes) {
     const auto frame = foxglove::decode_client_frame(bytes);
     if (!frame.ok()) {
@@ -284,10 +438,10 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
     } else if (const auto* request = std::get_if<foxglove::ServiceRequest>(&*frame)) {
       call(*request);
     } else if (const auto* control = std::get_if<foxglove::PlaybackControl>(&*frame)) {
-      if (all_->playback_) {
-        all_->playback_(*control);
-      } else {
-        complain("this run has no transport bar");
+      if (const std::string why =
+              all_->playback_ ? all_->playback_(*control) : "this run has no transport bar";
+          !why.empty()) {
+        complain(why);
       }
     }
   }
@@ -329,6 +483,7 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
   std::map<std::uint32_t, Subscription> subscriptions_;
   std::deque<drivers::WebSocketMessage> answers_;
   std::deque<std::pair<std::uint32_t, std::string>> asset_requests_;
+  std::map<std::string, std::string> followed_;  ///< Parameters, and the value last told.
   std::shared_ptr<const std::string> time_;
   std::deque<Waiting> waiting_;  ///< Of channels.
   std::size_t bytes_ = 0;        ///< In them.
@@ -392,10 +547,20 @@ void Viewers::tick(std::uint64_t time_ns) {
   }
 }
 
+void Viewers::tell_parameters() {
+  const auto follow = [](const auto& viewer) { return viewer->follows_parameters(); };
+  if (parameters_ && std::ranges::any_of(viewers_, follow)) {
+    const std::vector<StreamParameter> now = parameters_->all();
+    for (const auto& viewer : std::vector(viewers_)) {
+      viewer->tell_parameters(now);
+    }
+  }
+}
+
 void Viewers::tell_playback(foxglove::PlaybackStatus status, std::uint64_t time_ns, float speed,
-                            std::string_view request) {
+                            bool did_seek, std::string_view request) {
   for (const auto& viewer : std::vector(viewers_)) {
-    viewer->answer(foxglove::playback_state_frame(status, time_ns, speed, false, request));
+    viewer->answer(foxglove::playback_state_frame(status, time_ns, speed, did_seek, request));
   }
 }
 
@@ -407,6 +572,10 @@ std::string Viewers::server_info() const {
   Json capabilities{"time"};
   if (!services_.empty()) {
     capabilities.push_back("services");
+  }
+  if (parameters_) {
+    capabilities.push_back("parameters");
+    capabilities.push_back("parametersSubscribe");
   }
   if (assets_) {
     capabilities.push_back("assets");

@@ -1,6 +1,6 @@
 // Programs that look on while a run goes on, over the Foxglove WebSocket protocol: the run's own
-// page (hil/dashboard/), Foxglove, Lichtblick. Channels of messages, services, assets and the
-// transport bar; what they mean is whose who adds them.
+// page (hil/dashboard/), Foxglove, Lichtblick. Channels of messages, services, parameters, assets
+// and the transport bar; what they mean is whose who adds them.
 //
 // Slow viewers. Of each channel as many messages wait for a viewer as the channel is deep, the
 // oldest is dropped, and the viewer is told how many; all that waits for one viewer is at most
@@ -31,7 +31,7 @@ struct StreamChannel {
   std::string topic;
   std::string encoding = "json";
   std::string schema_name;
-  std::string schema;  ///< JSON Schema.
+  std::string schema;
   std::size_t depth = 32;
   /// What who subscribes is told first; empty: nothing.
   std::function<std::string()> first{};
@@ -45,6 +45,19 @@ struct StreamService {
   std::string request_schema;  ///< JSON Schema.
   /// JSON in, JSON out; `answer` is called once, now or later.
   std::function<void(std::string_view request, Answer answer)> call;
+};
+
+/// Something that viewers may read and set.
+struct StreamParameter {
+  std::string name;
+  std::string json;  ///< Its value; empty: it has none at present.
+};
+struct StreamParameters {
+  /// All there are.
+  std::function<std::vector<StreamParameter>()> all;
+  /// `done` is called once, now or later, with a sentence for each thing that was refused.
+  using Done = std::function<void(const std::vector<std::string>& refused)>;
+  std::function<void(const std::vector<StreamParameter>& wanted, Done done)> set;
 };
 
 class Viewers {
@@ -68,8 +81,9 @@ class Viewers {
   /// Where viewers get what messages name by "rigwire:...". Null: there is no such thing.
   using Assets = std::function<std::shared_ptr<const std::string>(std::string_view uri)>;
   void on_asset(Assets assets) { assets_ = std::move(assets); }
-  /// Of a viewer's transport bar.
-  using Playback = std::function<void(const protocols::foxglove::PlaybackControl& control)>;
+  void offer(StreamParameters parameters) { parameters_ = std::move(parameters); }
+  /// Of a viewer's transport bar; why not all of it is done, empty when it is.
+  using Playback = std::function<std::string(const protocols::foxglove::PlaybackControl& control)>;
   void on_playback(Playback playback) { playback_ = std::move(playback); }
   /// From when to when the transport bar goes.
   void set_range(std::uint64_t begin_ns, std::uint64_t end_ns) { range_ = {begin_ns, end_ns}; }
@@ -85,9 +99,12 @@ class Viewers {
   void put(ChannelId channel, std::uint64_t time_ns, std::string_view payload);
   /// The present time, and what was dropped meanwhile.
   void tick(std::uint64_t time_ns);
-  /// State of the transport bar; `request` of the one that asked, else empty.
+  /// Whoever has subscribed to parameters is told those that have changed since it was.
+  void tell_parameters();
+  /// State of the transport bar; `request` of the one that asked, else empty. `did_seek`: time is
+  /// elsewhere than it would have been without it.
   void tell_playback(protocols::foxglove::PlaybackStatus status, std::uint64_t time_ns, float speed,
-                     std::string_view request);
+                     bool did_seek, std::string_view request);
 
   struct Figures {
     std::size_t viewers = 0;
@@ -112,6 +129,7 @@ class Viewers {
   std::deque<Channel> channels_;
   std::vector<StreamService> services_;
   Assets assets_;
+  std::optional<StreamParameters> parameters_;
   Playback playback_;
   std::optional<std::pair<std::uint64_t, std::uint64_t>> range_;
   std::vector<std::shared_ptr<Viewer>> viewers_;

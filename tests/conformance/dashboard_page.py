@@ -33,7 +33,7 @@ from selenium.webdriver.support.ui import Select
 
 binaries, scratch = (pathlib.Path(argument) for argument in sys.argv[1:3])
 PATIENCE_S = 120
-NODE_PACKAGES = ["@foxglove/ws-protocol@0.8.0", "ws@8"]  # installed into the build folder
+NODE_PACKAGES = ["@foxglove/ws-protocol@0.8.0", "@foxglove/rosmsg@5", "@foxglove/rosmsg2-serialization@3", "ws@8"]  # installed into the build folder
 CHANNELS = 12 * 32  # returns of a data packet
 
 
@@ -56,11 +56,11 @@ def answers(port):
 class Rig:
     """The excavator digs nowhere: it stands, and does what it is told by hand."""
 
-    def __init__(self, name="excavator_pit"):
-        self.folder = scratch / "run"
+    def __init__(self, name="excavator_pit", folder="run", options=()):
+        self.folder = scratch / folder
         self.process = subprocess.Popen(
             [binaries / "rigwire", "run", name, "--isolated", self.folder, "--dashboard",
-             "--status", "none", "--duration", "20min"], stderr=open(scratch / "rig.log", "w"))
+             "--status", "none", "--duration", "20min", *options], stderr=open(scratch / f"{folder}.log", "w"))
         eventually("the run is ready", (self.folder / "run.json").exists)
         eventually("all of it is told", lambda: (self.folder / "run.json").read_text().endswith("\n"))
         self.told = json.loads((self.folder / "run.json").read_text())
@@ -128,12 +128,21 @@ class Viewer:
         return first & 0x0F == 1, self.exactly(size)
 
     def send(self, message):
-        data = json.dumps(message).encode()
+        self.send_frame(0x81, json.dumps(message).encode())
+
+    def send_frame(self, kind, data):
         mask = os.urandom(4)
         size = (bytes([0x80 | len(data)]) if len(data) < 126
                 else bytes([0x80 | 126]) + struct.pack(">H", len(data)))
-        self.socket.sendall(b"\x81" + size + mask
+        self.socket.sendall(bytes([kind]) + size + mask
                             + bytes(byte ^ mask[i % 4] for i, byte in enumerate(data)))
+
+    def until(self, wanted):
+        """The first message from now on of which `wanted(is text, bytes)` makes something."""
+        while True:
+            found = wanted(*self.receive())
+            if found:
+                return found
 
 
 def open_browser(url, width=1280, height=1000, dark=False):
@@ -430,6 +439,30 @@ def a_mark_on_the_time_line_moves_the_plots(rig, browser):
     browser.find_element(By.ID, "plot-pause").click()
 
 
+def fog_by_its_slider_shortens_what_the_lidar_sees(rig, browser):
+    farthest = """(() => {
+        const { geometry } = rigwire.view.clouds.get('/points/lidar').points;
+        const { array } = geometry.attributes.position;
+        let most = 0;
+        for (let i = 0; i < geometry.drawRange.count; ++i) most = Math.max(most, Math.hypot(...array.subarray(3 * i, 3 * i + 3)));
+        return most;
+    })()"""
+    clear_m = eventually("a cloud", lambda: value(browser, farthest))
+    assert clear_m > 45, clear_m
+    browser.execute_script("""
+        const slider = document.getElementById("air-fog");
+        slider.value = 1;
+        slider.dispatchEvent(new Event("change"));""")
+    eventually("it is said on the page", lambda: "10 m" in value(
+        browser, "document.querySelector('[data-air=fog].held output')?.textContent ?? ''"))
+    assert rig.command("read")["air"] == {"rain": None, "snow": None, "fog": "10 m"}
+    # An echo of 45 m would have e^-27 of its strength.
+    eventually("nothing far is seen", lambda: value(browser, farthest) < 45)
+    browser.find_element(By.CSS_SELECTOR, "[data-air=fog] button").click()
+    eventually("it is clear again", lambda: value(browser, farthest) > 0.9 * clear_m)
+    assert not browser.find_elements(By.CSS_SELECTOR, "[data-air].held")
+
+
 def pause_stops_everything(rig, browser):
     browser.find_element(By.ID, "pause").click()
     eventually("time stands", lambda: rig.command("state")["paused"])
@@ -628,7 +661,8 @@ def the_report_has_what_the_page_showed(rig, browser):
 def foxgloves_own_client_hears_it(rig, browser):
     modules = binaries.absolute() / "node"
     modules.mkdir(exist_ok=True)
-    if not (modules / "node_modules/@foxglove/ws-protocol").exists():
+    names = [package.rsplit("@", 1)[0] for package in NODE_PACKAGES]
+    if not all((modules / "node_modules" / name).exists() for name in names):
         fetched = subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--prefix", modules, *NODE_PACKAGES],
                                  capture_output=True, text=True)
         if fetched.returncode != 0:
@@ -637,6 +671,42 @@ def foxgloves_own_client_hears_it(rig, browser):
     heard = subprocess.run(["node", pathlib.Path(__file__).with_name("dashboard_foxglove.mjs"), rig.page, modules],
                            capture_output=True, text=True)
     assert heard.returncode == 0 and "all heard" in heard.stdout, heard.stdout + heard.stderr
+
+
+def a_transport_bar_seeks_forward_where_time_steps(rig, browser):
+    def seek(viewer, time_ns, name):
+        """What the server says to it: whether it sought and where time is, and its complaint."""
+        viewer.send_frame(0x82, struct.pack("<BBfBQI", 3, 1, 1.0, 1, time_ns, len(name)) + name)
+
+        def state(is_text, data):
+            told = not is_text and data[0] == 5 and data.endswith(name) and struct.unpack_from("<BBQfBI", data)
+            return told and (told[4], told[2])
+        return viewer.until(state)
+
+    def complaint(is_text, data):
+        message = is_text and json.loads(data)
+        return message and message["op"] == "status" and message["level"] == 2 and message["message"]
+
+    def start_ns(viewer):
+        info = viewer.until(lambda is_text, data: is_text and json.loads(data))
+        return info["dataStartTime"]["sec"] * 10**9 + info["dataStartTime"]["nsec"]
+
+    stepped = Rig(folder="stepped", options=("--clock", "step"))
+    try:
+        viewer = Viewer(stepped)
+        start = start_ns(viewer)
+        assert seek(viewer, start + 500_000_000, b"on") == (1, start + 500_000_000)
+        state = stepped.command("state")
+        assert state["time_ns"] == 500_000_000 and state["paused"], state
+        assert seek(viewer, start + 100_000_000, b"back") == (0, start + 500_000_000)
+        assert "cannot go back" in viewer.until(complaint)
+        assert stepped.command("state")["time_ns"] == 500_000_000
+    finally:
+        stepped.end()
+    viewer = Viewer(rig)
+    did_seek, _ = seek(viewer, start_ns(viewer) + 10**12, b"paced")
+    assert not did_seek
+    assert "follows the wall clock" in viewer.until(complaint)
 
 
 def metrics_are_as_prometheus_wants_them(rig, browser):
@@ -679,10 +749,12 @@ GROUPS = {
              the_report_has_what_the_page_showed],
     "wires": [nothing_is_complained_of, satellites_are_those_that_gpsd_hears_of, sensors_sit_where_the_rig_says,
               registers_have_their_names_and_who_wrote_them, fields_mark_their_bytes,
-              a_hand_is_marked_beside_what_the_client_asks, a_mark_on_the_time_line_moves_the_plots],
+              a_hand_is_marked_beside_what_the_client_asks, fog_by_its_slider_shortens_what_the_lidar_sees,
+              a_mark_on_the_time_line_moves_the_plots],
     "looks": [nothing_is_complained_of, nothing_is_clipped, light_and_dark_can_both_be_read,
               keys_reach_everything],
-    "lasting": [nothing_is_complained_of, metrics_are_as_prometheus_wants_them, foxgloves_own_client_hears_it,
+    "lasting": [nothing_is_complained_of, a_transport_bar_seeks_forward_where_time_steps,
+                metrics_are_as_prometheus_wants_them, foxgloves_own_client_hears_it,
                 a_page_that_is_left_open_keeps_its_size],
 }
 

@@ -271,6 +271,7 @@ TEST_F(ControlProcess, ARecordingInTheMiddleOfARunVerifiesWithWhatAHandSet) {
   const std::string take = (folder_ / "take").string();
   EXPECT_EQ(ctl({"run_until", "time=500333us"}).code, 0);
   EXPECT_EQ(ctl({"set", "boom=0.6", "swing=-20%"}).code, 0);
+  EXPECT_EQ(ctl({"set", "on=air", "rain=50 mm/h", "fog=80 m"}).code, 0);
   EXPECT_EQ(ctl({"run_until", "time=1000500us"}).code, 0);
   EXPECT_EQ(ctl({"record", take}).code, 0);
   const Done second = ctl({"record", (folder_ / "other").string()});
@@ -278,6 +279,9 @@ TEST_F(ControlProcess, ARecordingInTheMiddleOfARunVerifiesWithWhatAHandSet) {
   EXPECT_THAT(second.output, HasSubstr("a recording is on its way"));
   EXPECT_EQ(ctl({"run_until", "time=1700ms"}).code, 0);
   EXPECT_EQ(ctl({"set", "boom="}).code, 0);
+  EXPECT_EQ(ctl({"set", "on=air", "rain=", "fog=30 m"}).code, 0);
+  const Json read = Json::parse(ctl({"read"}).output);
+  EXPECT_EQ(read["air"], (Json{{"rain", nullptr}, {"snow", nullptr}, {"fog", "30 m"}}));
   EXPECT_EQ(ctl({"set", "on=gnss", "rate=2Hz", "nmea_sentences=[RMC, GGA]"}).code, 0);
   EXPECT_EQ(ctl({"fault_add", "on=gnss", "fault={type: jamming, for: 200 ms}"}).code, 0);
   EXPECT_EQ(ctl({"run_until", "time=2600700us"}).code, 0);

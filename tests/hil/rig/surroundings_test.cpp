@@ -2,9 +2,11 @@
 // there is nothing that could fail.
 #include "hil/world/surroundings.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <string>
 #include <vector>
@@ -108,6 +110,43 @@ TEST(Surroundings, FogThatComesUpWhileItRunsIsThatOfTheFile) {
   EXPECT_NE(begun.streams.at("lidar"), without.streams.at("lidar"));
   EXPECT_EQ(begun.streams.at("gnss"), without.streams.at("gnss"));
   EXPECT_EQ(begun.streams, written.streams);
+}
+
+/// A hand's fog is the fault with its instants, and goes when it lets go.
+TEST(Surroundings, WeatherByHandIsThatOfAFault) {
+  const OneAtATime alone;
+  const std::string empty = "surroundings.air.faults=[]";
+  const RigConfiguration clear = load_rig(file_of("lidar"), {empty}).configuration;
+  const auto set = [](const std::string& keys, Duration at) {
+    return Request{SetCommand{"air", keys}, at};
+  };
+  const Ran held =
+      run(clear,
+          {set("{fog: 50 m}", 1s), set("{fog: 20 m}", 1500ms), set("{rain: 400 mm/h}", 1600ms),
+           set("{rain: 5 mm/h, snow: [1]}", 1600ms), set("{hail: 1}", 1600ms),
+           set("{fog: 10 m, rain: 0 mm/h}", 1700ms), set("{fog: null}", 2s)},
+          3s);
+  for (const std::size_t done : std::array<std::size_t, 3>{0, 1, 6}) {
+    EXPECT_TRUE(held.answers.at(done)["ok"].get<bool>()) << held.answers.at(done);
+  }
+  EXPECT_EQ(held.answers.at(2)["path"], "rain");
+  EXPECT_THAT(held.answers.at(2)["allowed"].get<std::string>(), HasSubstr("200"));
+  EXPECT_EQ(held.answers.at(3)["path"], "snow");
+  EXPECT_EQ(held.answers.at(4)["allowed"], "rain, snow, fog");
+  EXPECT_EQ(held.answers.at(5)["path"], "rain") << "all of it is refused";
+  const auto instant = [&](std::size_t answer) {
+    return fmt::format("{} ns", held.answers.at(answer)["acts_from_ns"].get<std::int64_t>());
+  };
+  const auto written =
+      run(load_rig(file_of("lidar"),
+                   {fmt::format("surroundings.air.faults=[{{type: fog, at: {}, until: {}, "
+                                "visibility: 50 m}}, {{type: fog, at: {}, until: {}, "
+                                "visibility: 20 m}}]",
+                                instant(0), instant(1), instant(1), instant(6))})
+              .configuration,
+          {}, 3s);
+  EXPECT_EQ(held.streams, written.streams);
+  EXPECT_NE(held.streams.at("lidar"), run(clear, {}, 3s).streams.at("lidar"));
 }
 
 TEST(Surroundings, RainAndSnowFromTheStartAreThoseOfACourse) {

@@ -213,5 +213,102 @@ TEST_F(ViewersTest, WhoLeavesIsWaitedForNoMore) {
   EXPECT_FALSE(viewers_.wanted(shallow_));
 }
 
+/// Two of them, of which one takes only even numbers.
+class ParametersTest : public ViewersTest {
+ protected:
+  ParametersTest() {
+    viewers_.offer(
+        {[this] {
+           return std::vector<StreamParameter>{{"even", std::to_string(even_)}, {"unset", ""}};
+         },
+         [this](const auto& wanted, const auto& done) {
+           std::vector<std::string> refused;
+           for (const StreamParameter& one : wanted) {
+             const int value = one.json.empty() ? 1 : std::stoi(one.json);
+             if (one.name == "even" && value % 2 == 0) {
+               even_ = value;
+             } else {
+               refused.push_back(one.name + " takes no " + one.json);
+             }
+           }
+           done(refused);
+         }});
+    open();
+    take();
+  }
+  std::vector<Json> answers() {
+    std::vector<Json> all;
+    for (const std::string& frame : take()) {
+      all.push_back(Json::parse(frame));
+    }
+    return all;
+  }
+
+  int even_ = 2;
+};
+
+TEST_F(ParametersTest, AreToldByNameOrAllOfThem) {
+  ask({{"op", "getParameters"}, {"parameterNames", Json::array()}, {"id", "q"}});
+  const auto told = answers();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0],
+            (Json{{"op", "parameterValues"},
+                  {"parameters",
+                   {{{"name", "even"}, {"value", 2}, {"type", "float64"}}, {{"name", "unset"}}}},
+                  {"id", "q"}}));
+  ask({{"op", "getParameters"}, {"parameterNames", {"odd", "unset"}}});
+  const auto some = answers();
+  ASSERT_EQ(some.size(), 2U);
+  EXPECT_EQ(some[0]["level"], 2);
+  EXPECT_THAT(some[0]["message"].get<std::string>(), HasSubstr("odd"));
+  EXPECT_EQ(some[1]["parameters"], (Json{{{"name", "unset"}}}));
+  EXPECT_FALSE(some[1].contains("id"));
+}
+
+TEST_F(ParametersTest, WhatIsRefusedIsSaidAndAnsweredWithWhatHolds) {
+  ask({{"op", "setParameters"}, {"parameters", {{{"name", "even"}, {"value", 3}}}}, {"id", "s"}});
+  const auto told = answers();
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[0]["op"], "status");
+  EXPECT_EQ(told[0]["message"], "even takes no 3");
+  EXPECT_EQ(told[1]["parameters"][0]["value"], 2);
+  // Without an id nobody waits for an answer.
+  ask({{"op", "setParameters"}, {"parameters", {{{"name", "even"}, {"value", 4}}}}});
+  EXPECT_THAT(answers(), ElementsAre());
+  EXPECT_EQ(even_, 4);
+}
+
+TEST_F(ParametersTest, WhoSubscribesIsToldOfChangesAlone) {
+  ask({{"op", "subscribeParameterUpdates"}, {"parameterNames", {"even"}}});
+  viewers_.tell_parameters();
+  EXPECT_THAT(answers(), ElementsAre());
+  even_ = 8;  // by whomever
+  viewers_.tell_parameters();
+  viewers_.tell_parameters();
+  const auto told = answers();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0]["parameters"], (Json{{{"name", "even"}, {"value", 8}, {"type", "float64"}}}));
+  ask({{"op", "unsubscribeParameterUpdates"}, {"parameterNames", {"even"}}});
+  even_ = 10;
+  viewers_.tell_parameters();
+  EXPECT_THAT(answers(), ElementsAre());
+  ask({{"op", "unsubscribeParameterUpdates"}, {"parameterNames", {"even"}}});
+  EXPECT_EQ(answers().at(0)["level"], 2);
+}
+
+TEST_F(ParametersTest, WhatIsNoRequestIsSaid) {
+  for (const Json& wrong :
+       {Json{{"op", "getParameters"}}, Json{{"op", "getParameters"}, {"parameterNames", {1}}},
+        Json{{"op", "setParameters"}}, Json{{"op", "setParameters"}, {"parameters", {"even"}}},
+        Json{{"op", "setParameters"},
+             {"parameters", {{{"name", "even"}, {"value", "AA=="}, {"type", "byte_array"}}}}}}) {
+    ask(wrong);
+    const auto told = answers();
+    ASSERT_EQ(told.size(), 1U) << wrong;
+    EXPECT_EQ(told[0]["level"], 2) << wrong;
+  }
+  EXPECT_EQ(even_, 2);
+}
+
 }  // namespace
 }  // namespace rigwire::hil

@@ -16,11 +16,19 @@ export RIGWIRE=$here/build/rigwire
 work=$(mktemp -d "${TMPDIR:-/tmp}/rigwire-campaign.XXXXXX")
 pids=()
 end_cluster() {
-  [ ${#pids[@]} = 0 ] || kill "${pids[@]}" 2>/dev/null || true
-  [ ${#pids[@]} = 0 ] || wait "${pids[@]}" 2>/dev/null || true
+  [ ${#pids[@]} != 0 ] || return 0
+  # Of one that is interrupted: its tasks first, which would outlive their node.
+  scancel --user="$(id -un)" 2>/dev/null || true
+  for ((i = 0; i < 50; ++i)); do
+    [ -n "$(squeue --noheader 2>/dev/null || true)" ] || break
+    sleep 0.2
+  done
+  kill "${pids[@]}" 2>/dev/null || true
+  wait "${pids[@]}" 2>/dev/null || true
   pids=()
 }
 trap 'end_cluster; rm -rf "$work"' EXIT
+trap 'exit 130' INT TERM
 
 load() { cut -d' ' -f1-3 /proc/loadavg; }
 # median FILE: of numbers, one a line.
@@ -76,10 +84,11 @@ NodeName=n[1-$1] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[$((first + 1))-
 PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 CONF
   echo "CgroupPlugin=cgroup/v1" >"$folder/cgroup.conf"
-  slurmctld -D -f "$SLURM_CONF" >"$folder/slurmctld.txt" 2>&1 &
+  # In sessions of their own: what interrupts this script leaves them to end_cluster.
+  setsid slurmctld -D -f "$SLURM_CONF" >"$folder/slurmctld.txt" 2>&1 &
   pids+=($!)
   for ((node = 1; node <= $1; ++node)); do
-    taskset -c $((node - 1)) slurmd -D -f "$SLURM_CONF" -N "n$node" >"$folder/slurmd$node.txt" 2>&1 &
+    setsid taskset -c $((node - 1)) slurmd -D -f "$SLURM_CONF" -N "n$node" >"$folder/slurmd$node.txt" 2>&1 &
     pids+=($!)
   done
   local deadline=$((SECONDS + 60))
@@ -93,7 +102,9 @@ CONF
   done
 }
 
-measure_nodes() { # measure_nodes NODES ROUND: runs per minute, collected, as a user waits for them
+# measure_nodes NODES ROUND: runs per minute into $per_minute, collected, as a user waits for them.
+# Not in a subshell, which would keep from the trap what it has started.
+measure_nodes() {
   start_cluster "$1" "$2"
   # Four tasks a node: long enough beside the scheduler's second for each.
   local each=$(((runs + 4 * $1 - 1) / (4 * $1))) begin end
@@ -104,15 +115,17 @@ measure_nodes() { # measure_nodes NODES ROUND: runs per minute, collected, as a 
   grep -q "$runs passed, 0 failed, 0 crashed, 0 unfinished, 0 missing" "$work/out" ||
     { cat "$work/out" >&2 && exit 1; }
   end_cluster
-  awk -v b="$begin" -v e="$end" -v n="$runs" 'BEGIN {printf "%.1f\n", 60 * n / (e - b)}'
+  per_minute=$(awk -v b="$begin" -v e="$end" -v n="$runs" 'BEGIN {printf "%.1f", 60 * n / (e - b)}')
 }
 
 PATH=$PATH:/usr/sbin
 write_campaign "$work/campaign.yaml" "$runs"
 echo "cores: $(nproc), load at the begin: $(load)"
 for ((round = 1; round <= rounds; ++round)); do
-  one=$(measure_nodes 1 $round)
-  two=$(measure_nodes 2 $round)
+  measure_nodes 1 $round
+  one=$per_minute
+  measure_nodes 2 $round
+  two=$per_minute
   awk -v a="$one" -v b="$two" 'BEGIN {printf "%.3f\n", b / a}' >>"$work/ratios"
   echo "round $round: one node $one runs a minute, two nodes $two: $(tail -n 1 "$work/ratios") times; load $(load)"
 done

@@ -40,7 +40,7 @@ constexpr std::chrono::seconds kLook{15};
 constexpr int kLooks = 4;
 constexpr double kGoalCore = 0.1;
 constexpr double kGoalPicture_s = 3.0;
-/// From first look to last, 1e6 bytes.
+/// From the second look, when queues are as long as they get, to the last; 1e6 bytes.
 constexpr double kGoalGrowth_mb = 8.0;
 
 /// What the page subscribes to when it is opened (hil/dashboard/).
@@ -169,10 +169,11 @@ nlohmann::json measure_memory(std::ostream& text, const char* rig, const Way& wa
     }
   }
   run.end();
-  const double growth_mb = resident_mb.back() - resident_mb.front();
-  text << fmt::format("{}, the server's memory with {}, MB: {}; goal: grows by < {:g}: {}\n", rig,
-                      way.name, fmt::join(words, ", "), kGoalGrowth_mb,
-                      growth_mb < kGoalGrowth_mb ? "reached" : "MISSED");
+  const double growth_mb = resident_mb.back() - resident_mb[1];
+  text << fmt::format(
+      "{}, the server's memory with {}, MB: {}; goal: grows by < {:g} from the second on: {}\n",
+      rig, way.name, fmt::join(words, ", "), kGoalGrowth_mb,
+      growth_mb < kGoalGrowth_mb ? "reached" : "MISSED");
   return {{"looks", std::move(looks)}, {"growth_mb", growth_mb}, {"goal_mb", kGoalGrowth_mb}};
 }
 

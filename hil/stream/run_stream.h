@@ -5,9 +5,8 @@
 //   /truth /tf /antenna /joints /motion   as a recording has them (hil/record/truth_messages.h)
 //   /events                               likewise, foxglove.Log
 //   /scene                                foxglove.SceneUpdate (hil/stream/scene_model.h)
-//   /points/NAME                          foxglove_msgs/msg/PointCloud: every turn of a lidar's
-//   head,
-//                                         from its packets, as CDR (hil/record/lidar_clouds.h)
+//   /points/NAME                          foxglove_msgs/msg/PointCloud, CDR: each turn of a
+//                                         lidar's head by its packets (hil/record/lidar_clouds.h)
 //   /fix/NAME                             foxglove.LocationFix: what a receiver's bytes say, with
 //                                         `position_m` in the world
 //   /satellites/NAME                      rigwire.Satellites: likewise, where each stands

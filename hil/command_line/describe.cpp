@@ -217,8 +217,8 @@ int describe_verb(const std::string& device, bool json, Terminal terminal) {
   if (const ConfigFile* file = named_file(machines, device)) {
     const auto machine = load_file<MachineConfiguration>(*file);
     const std::string text = text_of(*file);
-    return describe_machine({file->name, text}, machine, reference_text(outline(machine)),
-                            json, terminal);
+    return describe_machine({file->name, text}, machine, reference_text(outline(machine)), json,
+                            terminal);
   }
   const std::vector<ConfigFile> scenes = config_files("scenes");
   const ConfigFile* file = named_file(scenes, device);

@@ -228,7 +228,7 @@ TEST_F(RigSettingsOf, ALidarSendsWhereItIsTold) {
 TEST_F(RigSettingsOf, WhatIsWrongIsRefusedAsInAFileAndNothingOfItHolds) {
   const Json nobody = answer("gns", "{rate: 5 Hz}");
   EXPECT_EQ(nobody["path"], "on");
-  EXPECT_THAT(nobody["allowed"].get<std::string>(), HasSubstr("machine, gnss, imu, lidar"));
+  EXPECT_THAT(nobody["allowed"].get<std::string>(), HasSubstr("machine, air, gnss, imu, lidar"));
   const Json range = answer("lidar", "{rate: 5000 rpm}");
   EXPECT_EQ(range["path"], "rate");
   EXPECT_THAT(range["what"].get<std::string>(), HasSubstr("out of range"));

@@ -102,13 +102,13 @@ Duration J1939Address::dispersed_delay() const {
 }
 
 void J1939Address::on_claim(SimTime now, std::uint8_t source, std::uint64_t name) {
-  if (source >= j1939::kNullAddress) {
-    return;  // "cannot claim" occupies nothing
-  }
   for (std::size_t i = 0; i < taken_.size(); ++i) {
     if (taken_[i] && holder_[i] == name) {
-      taken_[i] = false;  // it has moved
+      taken_[i] = false;  // it has moved, or has none any more
     }
+  }
+  if (source >= j1939::kNullAddress) {
+    return;  // "cannot claim" occupies nothing
   }
   const bool claimed = state_ == State::held || state_ == State::silent;
   const bool conflict = claimed && source == address_;

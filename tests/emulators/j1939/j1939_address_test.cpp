@@ -82,6 +82,15 @@ TEST(VehicleAddress, ArbitraryAddressMovesAndWaitsAQuarterOfASecond) {
   EXPECT_EQ(j1939::unpack(rig.output.frames.back().second.id).source, 0x81);
 }
 
+TEST(VehicleAddress, WhatANodeThatCannotClaimHadIsFree) {
+  VehicleRig rig(with_address(0x00, true));
+  rig.run(50ms);
+  rig.receive(j1939::make_address_claim(0x80, 2));
+  rig.receive(j1939::make_address_claim(j1939::kNullAddress, 2));
+  rig.receive(j1939::make_address_claim(0x00, 1));
+  EXPECT_EQ(rig.gateway.address(), 0x80);
+}
+
 TEST(VehicleAddress, AvoidsWhatALowerNameHeldBeforeItsOwnFirstClaim) {
   VehicleGatewaySettings settings = with_address(0x00, true);
   settings.supply.power_on = 100ms;

@@ -42,7 +42,11 @@ void LidarWire::receive(std::span<const std::uint8_t> datagram) {
   last_azimuth_counts_ = azimuth_counts;
 
   points_.clear();
-  velodyne::append_points(*packet, *model, points_);
+  if (model != model_) {
+    model_ = model;
+    reader_.emplace(*model);
+  }
+  reader_->append(*packet, points_);
   listener_.points(points_);
   listener_.heard();
 }

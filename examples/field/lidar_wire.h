@@ -51,6 +51,8 @@ class LidarWire {
 
  private:
   Listener listener_;
+  const protocols::velodyne::Model* model_ = nullptr;  ///< Of the packets that came last.
+  std::optional<protocols::velodyne::PointReader> reader_;
   std::vector<protocols::velodyne::Point> points_;
   std::optional<std::uint32_t> time_of_hour_us_;
   std::uint16_t last_azimuth_counts_ = 0;

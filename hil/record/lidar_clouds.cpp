@@ -11,7 +11,6 @@
 #include "hil/record/base64.h"
 #include "protocols/bytes.h"
 #include "protocols/foxglove/cdr_messages.h"
-#include "protocols/velodyne/packet_layout.h"
 
 namespace rigwire::hil {
 namespace {
@@ -59,15 +58,6 @@ std::optional<LidarCloud> LidarClouds::take(SimTime at, std::span<const std::uin
   if (!packet.ok()) {
     return std::nullopt;
   }
-  const auto* const model = velodyne::recognize(*packet).model;
-  if (model == nullptr) {
-    return std::nullopt;
-  }
-  if (model != model_) {
-    model_ = model;
-    reader_.emplace(*model);
-    begun_.reset();
-  }
   const std::uint16_t azimuth = packet->blocks.front().azimuth_counts;
   const bool turned = azimuth_counts_ && azimuth < *azimuth_counts_;
   azimuth_counts_ = azimuth;
@@ -83,7 +73,7 @@ std::optional<LidarCloud> LidarClouds::take(SimTime at, std::span<const std::uin
     points_.clear();
   }
   if (begun_) {
-    reader_->append(*packet, points_);
+    reader_.append(*packet, points_);
   }
   return cloud;
 }

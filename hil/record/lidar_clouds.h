@@ -4,8 +4,9 @@
 //
 // A cloud begins and ends where the azimuth passes from 360 to 0 degrees, and is told when its turn
 // is over. Its points are in the sensor's frame, `pose` places that in the link that carries it; a
-// turn takes a tenth of a second, and what the link moves by meanwhile is not taken out. What a
-// packet alone does not name (HDL-64E, packets of old firmware) makes no cloud.
+// turn takes a tenth of a second, and what the link moves by meanwhile is not taken out. Of packets
+// alone not every model is known (HDL-64E, old firmware), nor how an HDL-64E is calibrated: as
+// other clients are, this one is told.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -27,6 +28,8 @@ struct RecordedLidar {
   std::string name;
   std::string link;
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
+  const protocols::velodyne::Model* model = nullptr;  ///< Not null.
+  std::optional<protocols::velodyne::Hdl64eCalibration> calibration{};
 };
 
 struct CloudSettings {
@@ -47,7 +50,8 @@ struct LidarCloud {
 class LidarClouds {
  public:
   /// Of the lidar on one wire.
-  LidarClouds(RecordedLidar lidar, Duration every) : lidar_(std::move(lidar)), every_(every) {}
+  LidarClouds(RecordedLidar lidar, Duration every)
+      : lidar_(std::move(lidar)), every_(every), reader_(*lidar_.model, lidar_.calibration) {}
 
   /// The next datagram of the lidar, which left at that instant; the cloud that it makes whole.
   /// Valid until the next call.
@@ -56,8 +60,7 @@ class LidarClouds {
  private:
   RecordedLidar lidar_;
   Duration every_;
-  const protocols::velodyne::Model* model_ = nullptr;
-  std::optional<protocols::velodyne::PointReader> reader_;
+  protocols::velodyne::PointReader reader_;
   std::vector<protocols::velodyne::Point> points_;  ///< Of the cloud that is on its way.
   std::vector<protocols::velodyne::Point> whole_;
   std::optional<SimTime> begun_;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "drivers/line_watch.h"
+#include "emulators/velodyne/unit_report.h"
 #include "fields/check.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/gige_camera.h"
@@ -291,8 +292,10 @@ CloudSettings recorded_clouds(const RigConfiguration& configuration) {
   CloudSettings clouds{configuration.truth.clouds_every, {}};
   for (const auto& [name, device] : configuration.devices) {
     if (const auto* const lidar = fields::as<VelodyneConfiguration>(device)) {
-      clouds.lidars.push_back(
-          {name, lidar->mount.link, sensor_mount(configuration.machine, lidar->mount).X_LS});
+      const protocols::velodyne::Model& model = model_of(*lidar);
+      clouds.lidars.push_back({name, lidar->mount.link,
+                               sensor_mount(configuration.machine, lidar->mount).X_LS, &model,
+                               emulators::unit_calibration(settings_of(*lidar), model)});
     }
   }
   return clouds;

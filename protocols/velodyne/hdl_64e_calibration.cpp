@@ -18,15 +18,7 @@ constexpr double kNominalFocus_m = 10.0;
 constexpr double kIntensityReach_m = 131.0;
 constexpr double kIntensityScale = 256.0;
 
-/// The beam's direction in the manual's frame.
-struct Direction {
-  double cos_elevation;
-  double sin_elevation;
-  double cos_azimuth;
-  double sin_azimuth;
-};
-
-Direction direction(const Hdl64eLaser& laser, double azimuth_deg) {
+BeamDirection direction(const Hdl64eLaser& laser, double azimuth_deg) {
   const double elevation = laser.vert_correction_deg * kDegree;
   const double azimuth = (azimuth_deg - laser.rot_correction_deg) * kDegree;
   return {std::cos(elevation), std::sin(elevation), std::cos(azimuth), std::sin(azimuth)};
@@ -37,7 +29,7 @@ struct DistanceCorrections {
   double y_m;
 };
 
-DistanceCorrections distance_corrections(const Hdl64eLaser& laser, const Direction& beam,
+DistanceCorrections distance_corrections(const Hdl64eLaser& laser, const BeamDirection& beam,
                                          double raw_m, NearCorrection near) {
   const double far_m = laser.dist_correction_m;
   const bool has_near = laser.dist_correction_x_m != 0.0 || laser.dist_correction_y_m != 0.0;
@@ -57,7 +49,7 @@ DistanceCorrections distance_corrections(const Hdl64eLaser& laser, const Directi
 
 /// The corrected point is off the beam where the corrections of x and y differ; its range is what
 /// lies along the beam.
-double range_along_beam(const Direction& beam, double raw_m, const DistanceCorrections& by) {
+double range_along_beam(const BeamDirection& beam, double raw_m, const DistanceCorrections& by) {
   const double sideways = beam.cos_elevation * beam.sin_azimuth;
   return raw_m + by.x_m * sideways * sideways + by.y_m * (1.0 - sideways * sideways);
 }
@@ -135,7 +127,11 @@ std::vector<Laser> calibrated_lasers(const Model& model, const Hdl64eCalibration
 
 CorrectedPoint corrected(const Hdl64eLaser& laser, double raw_counts, double azimuth_deg,
                          NearCorrection near) {
-  const Direction beam = direction(laser, azimuth_deg);
+  return corrected(laser, raw_counts, direction(laser, azimuth_deg), near);
+}
+
+CorrectedPoint corrected(const Hdl64eLaser& laser, double raw_counts, const BeamDirection& beam,
+                         NearCorrection near) {
   const double raw_m = raw_counts * kHdl64eDistanceUnit_m;
   const DistanceCorrections by = distance_corrections(laser, beam, raw_m, near);
   const double right_m = (raw_m + by.x_m) * beam.cos_elevation * beam.sin_azimuth -
@@ -154,7 +150,7 @@ double raw_counts(const Hdl64eLaser& laser, double range_m, double azimuth_deg,
   // and more; what validate() admits at most halves the error.
   constexpr int kRounds = 60;
   constexpr double kConverged_m = 1e-12;
-  const Direction beam = direction(laser, azimuth_deg);
+  const BeamDirection beam = direction(laser, azimuth_deg);
   double raw_m = range_m - laser.dist_correction_m;
   double error_m = range_m;
   for (int i = 0; i < kRounds && std::abs(error_m) > kConverged_m; ++i) {

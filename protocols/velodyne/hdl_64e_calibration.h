@@ -82,6 +82,14 @@ void validate(const Hdl64eCalibration& calibration);
 /// jumps by up to the difference of the corrections.
 enum class NearCorrection : std::uint8_t { everywhere, below_25_m };
 
+/// Where a beam goes, its azimuth clockwise from forward.
+struct BeamDirection {
+  double cos_elevation = 1.0;
+  double sin_elevation = 0.0;
+  double cos_azimuth = 1.0;
+  double sin_azimuth = 0.0;
+};
+
 /// A client's point, in our frame (x forward, y left, z up).
 struct CorrectedPoint {
   double x_m = 0.0;
@@ -93,6 +101,10 @@ struct CorrectedPoint {
 /// What a client computes from a raw count, the rotor at `azimuth_deg` when the laser was shot.
 [[nodiscard]] CorrectedPoint corrected(const Hdl64eLaser& laser, double raw_counts,
                                        double azimuth_deg,
+                                       NearCorrection near = NearCorrection::everywhere);
+/// The same of a laser that points there.
+[[nodiscard]] CorrectedPoint corrected(const Hdl64eLaser& laser, double raw_counts,
+                                       const BeamDirection& beam,
                                        NearCorrection near = NearCorrection::everywhere);
 
 /// The raw distance in counts, not rounded, from which a client gets `range_m` along the beam.

@@ -2,8 +2,7 @@
 
 #include <cmath>
 #include <numbers>
-
-#include "protocols/velodyne/packet_layout.h"
+#include <span>
 
 namespace rigwire::protocols::velodyne {
 namespace {
@@ -24,21 +23,53 @@ double fastest_counts_per_ns(const Model& model) {
   return kSpeedMargin * model.maximum_rotor_rpm / 60.0 * kAzimuthCounts * 1e-9;
 }
 
+/// Of what is within a turn of it.
 double wrapped_deg(double azimuth_deg) {
-  const double rest = std::fmod(azimuth_deg, kTurn_deg);
-  return rest < 0.0 ? rest + kTurn_deg : rest;
+  return azimuth_deg < 0.0          ? azimuth_deg + kTurn_deg
+         : azimuth_deg >= kTurn_deg ? azimuth_deg - kTurn_deg
+                                    : azimuth_deg;
 }
 
 }  // namespace
 
+PointReader::PointReader(const Model& model, const std::optional<Hdl64eCalibration>& calibration)
+    : model_(&model), calibration_(calibration) {
+  const std::vector<Laser> lasers =
+      calibration ? calibrated_lasers(model, *calibration)
+                  : std::vector<Laser>(model.lasers.begin(), model.lasers.end());
+  for (const Laser& laser : lasers) {
+    const double elevation = laser.elevation_deg * kDegree;
+    const double azimuth = laser.azimuth_offset_deg * kDegree;
+    optics_.push_back(
+        {laser.azimuth_offset_deg,
+         elevation,
+         {std::cos(elevation), std::sin(elevation), std::cos(azimuth), std::sin(azimuth)},
+         laser.horizontal_offset_mm * 1e-3,
+         laser.vertical_offset_mm * 1e-3});
+  }
+}
+
+void PointReader::lay_out(ReturnMode mode) {
+  mode_ = mode;
+  shots_.assign(kBlocksPerPacket * kChannelsPerBlock, {});
+  for (std::size_t place = 0; place < shots_.size(); ++place) {
+    const std::size_t block = place / kChannelsPerBlock;
+    if (block_place(*model_, mode, block).echo == BlockEcho::none) {
+      shots_[place].echo = BlockEcho::none;
+    } else {
+      shots_[place] = shot(*model_, mode, block, place % kChannelsPerBlock);
+    }
+  }
+}
+
 double PointReader::counts_per_ns(const DataPacket& packet, ReturnMode mode) const {
-  const double fastest = fastest_counts_per_ns(model_);
+  const double fastest = fastest_counts_per_ns(*model_);
   std::int64_t turned_counts = 0;
   std::int64_t lasted_ns = 0;
   std::size_t before = 0;
   for (std::size_t b = 1; b < kBlocksPerPacket; ++b) {
-    const BlockPlace place = block_place(model_, mode, b);
-    const BlockPlace place_before = block_place(model_, mode, before);
+    const BlockPlace place = block_place(*model_, mode, b);
+    const BlockPlace place_before = block_place(*model_, mode, before);
     if (place.echo == BlockEcho::none || place.first_firing == place_before.first_firing) {
       continue;
     }
@@ -46,7 +77,7 @@ double PointReader::counts_per_ns(const DataPacket& packet, ReturnMode mode) con
         step_counts(packet.blocks[before].azimuth_counts, packet.blocks[b].azimuth_counts);
     const std::int64_t period_ns =
         static_cast<std::int64_t>(place.first_firing - place_before.first_firing) *
-        model_.firing_period_ns;
+        model_->firing_period_ns;
     if (step <= fastest * static_cast<double>(period_ns) + 1.0) {
       turned_counts += step;
       lasted_ns += period_ns;
@@ -66,53 +97,59 @@ double PointReader::counts_per_ns(const DataPacket& packet, ReturnMode mode) con
   return rate <= fastest ? rate : 0.0;
 }
 
-Point PointReader::point(const Channel& channel, std::size_t laser, double azimuth_deg) const {
+Point PointReader::point(const Channel& channel, std::size_t laser, const Heading& heading) const {
+  const Optics& optics = optics_[laser];
+  BeamDirection beam = optics.direction;
+  beam.cos_azimuth =
+      optics.direction.cos_azimuth * heading.cos - optics.direction.sin_azimuth * heading.sin;
+  beam.sin_azimuth =
+      optics.direction.sin_azimuth * heading.cos + optics.direction.cos_azimuth * heading.sin;
   Point point;
   point.laser = static_cast<std::uint8_t>(laser);
+  point.azimuth_rad = static_cast<float>(wrapped_deg(heading.deg + optics.azimuth_deg) * kDegree);
+  point.elevation_rad = static_cast<float>(optics.elevation_rad);
   if (calibration_) {
     const Hdl64eLaser& unit = calibration_->lasers[laser];
-    const CorrectedPoint at = corrected(unit, channel.distance_counts, azimuth_deg);
+    const CorrectedPoint at = corrected(unit, channel.distance_counts, beam);
     point.x_m = static_cast<float>(at.x_m);
     point.y_m = static_cast<float>(at.y_m);
     point.z_m = static_cast<float>(at.z_m);
     point.range_m = static_cast<float>(at.range_m);
-    point.azimuth_rad =
-        static_cast<float>(wrapped_deg(azimuth_deg - unit.rot_correction_deg) * kDegree);
-    point.elevation_rad = static_cast<float>(unit.vert_correction_deg * kDegree);
     point.reflectivity = static_cast<std::uint8_t>(
         std::lround(corrected_intensity(unit, channel.reflectivity, channel.distance_counts)));
     return point;
   }
-  const Laser& table = model_.lasers[laser];
-  const double range_m = channel.distance_counts * model_.distance_unit_mm * 1e-3;
-  const double azimuth = wrapped_deg(azimuth_deg + table.azimuth_offset_deg) * kDegree;
-  const double elevation = table.elevation_deg * kDegree;
-  const double level_m = range_m * std::cos(elevation);
-  const double right_m = table.horizontal_offset_mm * 1e-3;
-  point.x_m = static_cast<float>(level_m * std::cos(azimuth) - right_m * std::sin(azimuth));
-  point.y_m = static_cast<float>(-level_m * std::sin(azimuth) - right_m * std::cos(azimuth));
-  point.z_m = static_cast<float>(range_m * std::sin(elevation) + table.vertical_offset_mm * 1e-3);
+  const double range_m = channel.distance_counts * model_->distance_unit_mm * 1e-3;
+  const double level_m = range_m * beam.cos_elevation;
+  point.x_m = static_cast<float>(level_m * beam.cos_azimuth - optics.right_m * beam.sin_azimuth);
+  point.y_m = static_cast<float>(-level_m * beam.sin_azimuth - optics.right_m * beam.cos_azimuth);
+  point.z_m = static_cast<float>(range_m * beam.sin_elevation + optics.up_m);
   point.range_m = static_cast<float>(range_m);
-  point.azimuth_rad = static_cast<float>(azimuth);
-  point.elevation_rad = static_cast<float>(elevation);
   point.reflectivity = channel.reflectivity;
   return point;
 }
 
 void PointReader::append(const DataPacket& packet, std::vector<Point>& points) {
-  const ReturnMode mode = return_mode(packet, model_);
-  const double speed = counts_per_ns(packet, mode);
+  const ReturnMode mode = return_mode(packet, *model_);
+  if (shots_.empty() || mode != mode_) {
+    lay_out(mode);
+  }
+  const double speed_degpns = counts_per_ns(packet, mode) * kCount_deg;
   // In a dual return the other echo of a block stands so many blocks further on.
-  const std::size_t partner = model_.status_channel ? 2 : 1;
-  const BlockEcho first = model_.status_channel ? BlockEcho::strongest : BlockEcho::last;
+  const std::size_t partner = model_->status_channel ? 2 : 1;
+  const BlockEcho first = model_->status_channel ? BlockEcho::strongest : BlockEcho::last;
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
     const Block& block = packet.blocks[b];
-    const BlockEcho echo = block_place(model_, mode, b).echo;
+    const auto shots = std::span(shots_).subspan(b * kChannelsPerBlock, kChannelsPerBlock);
+    const BlockEcho echo = shots.front().echo;
     if (echo == BlockEcho::none) {
       continue;
     }
     const bool has_partner = echo == first;
     const bool is_partner = echo != BlockEcho::single && !has_partner;
+    const double block_deg = block.azimuth_counts * kCount_deg;
+    const double block_cos = std::cos(block_deg * kDegree);
+    const double block_sin = std::sin(block_deg * kDegree);
     for (std::size_t c = 0; c < kChannelsPerBlock; ++c) {
       const Channel& channel = block.channels[c];
       const bool said_before =
@@ -121,10 +158,15 @@ void PointReader::append(const DataPacket& packet, std::vector<Point>& points) {
       if (channel.distance_counts == 0 || said_before) {
         continue;
       }
-      const Shot fired = shot(model_, mode, b, c);
-      const double azimuth_deg =
-          (block.azimuth_counts + speed * fired.block_offset_ns) * kCount_deg;
-      Point found = point(channel, fired.laser, azimuth_deg);
+      const Shot& fired = shots[c];
+      // The rotor turns by less than 2 degrees in a block: series, to 1e-8 rad.
+      const double turned_deg = speed_degpns * fired.block_offset_ns;
+      const double turned = turned_deg * kDegree;
+      const double turned_cos = 1.0 - 0.5 * turned * turned;
+      const double turned_sin = turned - turned * turned * turned / 6.0;
+      Point found = point(channel, fired.laser,
+                          {block_deg + turned_deg, block_cos * turned_cos - block_sin * turned_sin,
+                           block_sin * turned_cos + block_cos * turned_sin});
       found.packet_offset_ns = fired.packet_offset_ns;
       if (has_partner &&
           packet.blocks[b + partner].channels[c].distance_counts == channel.distance_counts) {
@@ -138,10 +180,6 @@ void PointReader::append(const DataPacket& packet, std::vector<Point>& points) {
   }
   previous_azimuth_counts_ = packet.blocks[0].azimuth_counts;
   previous_timestamp_us_ = packet.timestamp_us;
-}
-
-void append_points(const DataPacket& packet, const Model& model, std::vector<Point>& points) {
-  PointReader(model).append(packet, points);
 }
 
 }  // namespace rigwire::protocols::velodyne

@@ -9,6 +9,7 @@
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/hdl_64e_calibration.h"
 #include "protocols/velodyne/model.h"
+#include "protocols/velodyne/packet_layout.h"
 
 namespace rigwire::protocols::velodyne {
 
@@ -46,25 +47,42 @@ struct Point {
 /// speed.
 class PointReader {
  public:
-  explicit PointReader(const Model& model) : model_(model) {}
-  /// HDL-64E. Ranges and positions after calibration; precondition: validated.
-  PointReader(const Model& model, const Hdl64eCalibration& calibration)
-      : model_(model), calibration_(calibration) {}
+  /// With a calibration (of an HDL-64E, validated) ranges and positions are after it.
+  explicit PointReader(const Model& model,
+                       const std::optional<Hdl64eCalibration>& calibration = {});
 
   /// Appends the points of a packet to `points`; channels without echo make none.
   void append(const DataPacket& packet, std::vector<Point>& points);
 
  private:
-  [[nodiscard]] double counts_per_ns(const DataPacket& packet, ReturnMode mode) const;
-  [[nodiscard]] Point point(const Channel& channel, std::size_t laser, double azimuth_deg) const;
+  /// What is the same of a laser at every shot.
+  struct Optics {
+    double azimuth_deg = 0.0;  ///< Before the rotor's.
+    double elevation_rad = 0.0;
+    BeamDirection direction;  ///< The rotor at 0.
+    double right_m = 0.0;     ///< Where the beam leaves.
+    double up_m = 0.0;
+  };
+  /// Where the rotor stands.
+  struct Heading {
+    double deg = 0.0;
+    double cos = 1.0;
+    double sin = 0.0;
+  };
 
-  const Model& model_;
+  void lay_out(ReturnMode mode);
+  [[nodiscard]] double counts_per_ns(const DataPacket& packet, ReturnMode mode) const;
+  [[nodiscard]] Point point(const Channel& channel, std::size_t laser,
+                            const Heading& heading) const;
+
+  const Model* model_;
   std::optional<Hdl64eCalibration> calibration_;
+  std::vector<Optics> optics_;  ///< By laser.
+  /// What each place holds in a packet of that mode, block by block; empty: none has come.
+  std::vector<Shot> shots_;
+  ReturnMode mode_{};
   std::optional<std::uint16_t> previous_azimuth_counts_;
   std::uint32_t previous_timestamp_us_ = 0;
 };
-
-/// The points of one packet of which nothing before is known.
-void append_points(const DataPacket& packet, const Model& model, std::vector<Point>& points);
 
 }  // namespace rigwire::protocols::velodyne

@@ -9,6 +9,8 @@
 #include <string>
 
 #include "protocols/bytes.h"
+#include "protocols/velodyne/hdl_64e_calibration.h"
+#include "protocols/velodyne/model.h"
 #include "protocols/velodyne/packet_layout.h"
 
 namespace rigwire::hil {
@@ -18,6 +20,8 @@ using namespace std::chrono_literals;
 namespace velodyne = protocols::velodyne;
 
 constexpr std::int64_t kStart_unix_ns = 1'780'300'800'000'000'000;
+
+const velodyne::Model& kModel = *velodyne::find_model("HDL-32E");
 
 /// An HDL-32E at ten turns a second: each channel at 10 m.
 class Head {
@@ -59,7 +63,7 @@ std::string from_base64(const std::string& text) {
 }
 
 TEST(LidarClouds, AreWholeTurnsOneInEveryPeriod) {
-  LidarClouds clouds({"lidar", "upper", Eigen::Isometry3d::Identity()}, 1s);
+  LidarClouds clouds({"lidar", "upper", Eigen::Isometry3d::Identity(), &kModel}, 1s);
   Head head;
   std::vector<double> ends;
   std::optional<nlohmann::json> last;
@@ -99,8 +103,36 @@ TEST(LidarClouds, AreWholeTurnsOneInEveryPeriod) {
   }
 }
 
+TEST(LidarClouds, OfAnHdl64eAreAfterItsCalibration) {
+  const velodyne::Model& model = *velodyne::find_model("HDL-64E S3");
+  velodyne::Hdl64eCalibration calibration = velodyne::nominal_calibration(model);
+  for (velodyne::Hdl64eLaser& laser : calibration.lasers) {
+    laser.dist_correction_m = laser.dist_correction_x_m = laser.dist_correction_y_m = 1.25;
+  }
+  LidarClouds clouds({"lidar", "upper", Eigen::Isometry3d::Identity(), &model, calibration}, 0s);
+  velodyne::DataPacket packet;
+  std::optional<std::string> told;
+  for (std::uint32_t firing = 0; !told; firing += 6) {
+    ASSERT_LT(firing, 5000U);
+    for (std::size_t b = 0; b < packet.blocks.size(); ++b) {
+      packet.blocks[b].flag = velodyne::block_flag(b % 2 * 32);
+      packet.blocks[b].azimuth_counts = static_cast<std::uint16_t>((firing + b / 2) * 17 % 36'000);
+      packet.blocks[b].channels.fill({4000, 7});  // 8 m
+    }
+    std::array<std::uint8_t, velodyne::kDataPacketSize> bytes{};
+    encode(packet, bytes);
+    if (const auto cloud = clouds.take(kStart, bytes)) {
+      EXPECT_NEAR(static_cast<double>(cloud->points.size()), 64.0 * 36'000 / 17, 64.0 * 12);
+      for (const velodyne::Point& point : cloud->points) {
+        ASSERT_NEAR(point.range_m, 9.25, 1e-5);
+      }
+      told = cdr_message(*cloud, kStart_unix_ns);
+    }
+  }
+}
+
 TEST(LidarClouds, OfWhatIsNoDataPacketAreNone) {
-  LidarClouds clouds({"lidar", "upper", Eigen::Isometry3d::Identity()}, 1s);
+  LidarClouds clouds({"lidar", "upper", Eigen::Isometry3d::Identity(), &kModel}, 1s);
   const std::array<std::uint8_t, 512> position{};
   EXPECT_FALSE(clouds.take(kStart, position));
   const std::array<std::uint8_t, velodyne::kDataPacketSize> zeros{};

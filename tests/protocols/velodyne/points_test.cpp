@@ -34,7 +34,7 @@ TEST(VelodynePoints, AzimuthIsInterpolatedAcrossTheWrap) {
   packet.blocks[0].channels[31] = {5000, 42};
   packet.blocks[11].channels[15] = {5000, 43};
   std::vector<Point> points;
-  append_points(packet, model, points);
+  PointReader(model).append(packet, points);
   ASSERT_EQ(points.size(), 2U);
   EXPECT_NEAR(points[0].azimuth_rad, (35990 + 16 * 31 * 1152.0 / 46080.0 - 36000) * kCount, 1e-6);
   EXPECT_NEAR(points[0].range_m, 10.0, 1e-6);
@@ -52,7 +52,7 @@ TEST(VelodynePoints, OffsetAzimuthsTurnTheBeamClockwise) {
   DataPacket packet = turning(model, ReturnMode::strongest, 0, 20);
   packet.blocks[0].channels[14] = {2500, 1};  // rot_correction -4.2 degrees
   std::vector<Point> points;
-  append_points(packet, model, points);
+  PointReader(model).append(packet, points);
   ASSERT_EQ(points.size(), 1U);
   EXPECT_NEAR(points[0].azimuth_rad, (420.0 + 20.0 * 7 * 2304 / 55296) * kCount, 1e-6);
   EXPECT_LT(points[0].y_m, 0.0F) << "clockwise is to the right";
@@ -68,7 +68,7 @@ TEST(VelodynePoints, GapOfTheViewWindowIsNotInterpolatedAcross) {
   packet.blocks[5].channels[31] = {1000, 1};
   packet.blocks[6].channels[31] = {1000, 1};
   std::vector<Point> points;
-  append_points(packet, model, points);
+  PointReader(model).append(packet, points);
   ASSERT_EQ(points.size(), 2U);
   const double within = 20.0 * (55296 + 15 * 2304) / 55296;
   EXPECT_NEAR(points[0].azimuth_rad, (1200 + within) * kCount, 1e-6);
@@ -87,7 +87,7 @@ TEST(VelodynePoints, OneEchoSaidTwiceIsOnePoint) {
     packet.blocks[0].channels[7] = {3000, 50};
     packet.blocks[partner].channels[7] = {3000, 50};
     std::vector<Point> points;
-    append_points(packet, model, points);
+    PointReader(model).append(packet, points);
     ASSERT_EQ(points.size(), 3U) << name;
     int both = 0;
     for (const Point& point : points) {
@@ -128,7 +128,7 @@ TEST(VelodynePoints, SidewaysExitMovesThePointToTheRight) {
   DataPacket packet = turning(model, ReturnMode::strongest, 0, 17);
   packet.blocks[0].channels[0] = {5000, 1};  // even laser: exit 26 mm to the left of its beam
   std::vector<Point> points;
-  append_points(packet, model, points);
+  PointReader(model).append(packet, points);
   ASSERT_EQ(points.size(), 1U);
   const Point& point = points[0];
   const double level = 10.0 * std::cos(point.elevation_rad);

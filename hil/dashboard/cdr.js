@@ -1,7 +1,7 @@
 // Reads CDR messages (little-endian) after their definition in ROS 2's words, which the channel brings
 // along (protocols/foxglove/cdr_messages.h).
 
-const SIZES = { uint8: 1, int32: 4, uint32: 4, float64: 8 };
+const SIZES = { uint8: 1, int32: 4, uint32: 4, uint64: 8, float64: 8 };
 
 // name of the type -> [{type, isList, name}]; the message itself is "".
 function definitions(text) {
@@ -32,6 +32,7 @@ export function cdrReader(schema) {
         case "uint8": return view.getUint8(at - size);
         case "int32": return view.getInt32(at - size, true);
         case "uint32": return view.getUint32(at - size, true);
+        case "uint64": return view.getBigUint64(at - size, true);
         default: return view.getFloat64(at - size, true);
       }
     };

@@ -131,9 +131,8 @@ export class Sensors {
     }
   }
 
-  showPicture(topic, { width, height, encoding, data, block, sent_width, sent_height }) {
+  showPicture(topic, { width, height, encoding, data: bytes, block, sent_width, sent_height }) {
     const camera = this.cameras.get(topic);
-    const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
     const image = new ImageData(width, height);
     const bands = encoding === "rgb8" ? 3 : 1;
     for (let i = 0; i < width * height; ++i) {

@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "hil/executive/background_thread.h"
-#include "hil/record/base64.h"
 #include "hil/stream/fix_reader.h"
 #include "hil/stream/picture_reader.h"
 #include "hil/stream/receiver_messages.h"
@@ -28,6 +27,7 @@
 namespace rigwire::hil {
 namespace {
 
+namespace foxglove = protocols::foxglove;
 using Json = nlohmann::ordered_json;
 
 /// Between two changes of the scene, simulated.
@@ -104,26 +104,35 @@ std::string satellites_message(std::string_view from, std::span<const SkySatelli
   return Json{{"from", from}, {"satellites", std::move(list)}}.dump();
 }
 
-/// foxglove.RawImage, with what was sent.
-std::string picture_message(const std::string& stamp, const std::string& frame,
+std::string picture_message(std::int64_t unix_ns, const std::string& frame,
                             const SmallPicture& picture) {
-  const std::size_t bands = picture.pixels.size() / picture.width / picture.height;
-  std::string text = fmt::format(
-      R"({{"timestamp":{},"frame_id":{},"width":{},"height":{},"encoding":"{}","step":{},)"
-      R"("block":{},"sent_width":{},"sent_height":{},"data":")",
-      stamp, Json(frame).dump(), picture.width, picture.height, picture.encoding,
-      picture.width * bands, picture.block, picture.sent_width, picture.sent_height);
-  append_base64(text, picture.pixels);
-  text += "\"}";
-  return text;
+  const auto bands =
+      static_cast<std::uint32_t>(picture.pixels.size() / picture.width / picture.height);
+  std::string bytes = foxglove::begin_raw_image({.unix_ns = unix_ns,
+                                                 .frame_id = frame,
+                                                 .width = picture.width,
+                                                 .height = picture.height,
+                                                 .encoding = picture.encoding,
+                                                 .step = picture.width * bands,
+                                                 .block = picture.block,
+                                                 .sent_width = picture.sent_width,
+                                                 .sent_height = picture.sent_height},
+                                                picture.pixels.size());
+  bytes.append(picture.pixels.begin(), picture.pixels.end());
+  return bytes;
+}
+
+/// Of dense messages, of which the newest counts.
+StreamChannel dense_channel(std::string topic, std::string_view schema_name, std::string schema) {
+  return {.topic = std::move(topic),
+          .encoding = std::string(foxglove::kCdrEncoding),
+          .schema_name = std::string(schema_name),
+          .schema = std::move(schema),
+          .depth = 1,
+          .schema_encoding = std::string(foxglove::kCdrSchemaEncoding)};
 }
 
 constexpr const char* kObjectSchema = R"({"type":"object"})";
-constexpr const char* kImageSchema =
-    R"({"type":"object","properties":{"timestamp":{"type":"object","properties":)"
-    R"({"sec":{"type":"integer"},"nsec":{"type":"integer"}}},"frame_id":{"type":"string"},)"
-    R"("width":{"type":"integer"},"height":{"type":"integer"},"encoding":{"type":"string"},)"
-    R"("step":{"type":"integer"},"data":{"type":"string","contentEncoding":"base64"}}})";
 
 }  // namespace
 
@@ -211,18 +220,14 @@ class RunStream::Wire final : public WireTap {
     const auto sensor = std::ranges::find(stream.run_.sensors, name, &ShownSensor::name);
     if (kind == WireKind::ethernet && sensor != stream.run_.sensors.end() &&
         sensor->kind == "camera") {
-      pictures_ = viewers.add({"/camera/" + name, "json", "foxglove.RawImage", kImageSchema, 1});
+      pictures_ = viewers.add(dense_channel("/camera/" + name, foxglove::kRawImageSchemaName,
+                                            foxglove::raw_image_schema()));
       picture_reader_.emplace();
     }
     const auto lidar = std::ranges::find(stream.run_.lidars, name, &RecordedLidar::name);
     if (lidar != stream.run_.lidars.end()) {
-      namespace foxglove = protocols::foxglove;
-      points_ = viewers.add({.topic = "/points/" + name,
-                             .encoding = std::string(foxglove::kCdrEncoding),
-                             .schema_name = std::string(foxglove::kPointCloudSchemaName),
-                             .schema = std::string(foxglove::kPointCloudSchema),
-                             .depth = 1,
-                             .schema_encoding = std::string(foxglove::kCdrSchemaEncoding)});
+      points_ = viewers.add(dense_channel("/points/" + name, foxglove::kPointCloudSchemaName,
+                                          foxglove::point_cloud_schema()));
       clouds_.emplace(*lidar, Duration{0});
     }
     if (kind == WireKind::can) {
@@ -445,7 +450,7 @@ bool RunStream::Wire::decode(const Piece& piece) {
   if (wanted(pictures_) && piece.end != protocols::gige_vision::kGvcpPort) {
     if (const SmallPicture* picture = picture_reader_->take(piece.at, piece.bytes)) {
       send(pictures_,
-           picture_message(timestamp(stream_.run_.start_unix_ns, piece.at), name_, *picture));
+           picture_message(static_cast<std::int64_t>(stream_.unix_ns(piece.at)), name_, *picture));
     }
   }
   if (stream_.viewers_.wanted(*messages_) || (registers_ && stream_.viewers_.wanted(*registers_))) {

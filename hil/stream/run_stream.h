@@ -11,8 +11,9 @@
 //                                         `position_m` in the world
 //   /satellites/NAME                      rigwire.Satellites: likewise, where each stands
 //                                         (hil/stream/sky_reader.h)
-//   /camera/NAME                          foxglove.RawImage: pictures that a client takes, from
-//                                         their packets, smaller (hil/stream/picture_reader.h)
+//   /camera/NAME                          foxglove_msgs/msg/RawImage, CDR: pictures that a client
+//                                         takes, from their packets, smaller
+//                                         (hil/stream/picture_reader.h)
 //   /sensors                              rigwire.Sensors: where each sits; once
 //   /wire/NAME                            rigwire.WireMessage: what passes on a wire
 //                                         (hil/stream/wire_reading.h)

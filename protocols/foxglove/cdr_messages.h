@@ -1,5 +1,6 @@
 // Dense messages for viewers of the Foxglove WebSocket protocol, as bytes rather than as JSON with
-// base64: clouds of points. Channels name the encoding "cdr", and the schema "ros2msg" is a text.
+// base64: clouds of points, pictures. Channels name the encoding "cdr", and the schema "ros2msg" is
+// a text.
 //
 // CDR is the common data representation of OMG (CORBA 3.3 part 2, section 9.3; DDSI-RTPS 2.3,
 // section 10): four bytes that say little-endian, then the members in the order of the schema, each
@@ -10,6 +11,12 @@
 //
 //   PointCloud   timestamp (i32 s, u32 ns), frame_id, pose (7 f64: x, y, z; x, y, z, w),
 //                point_stride u32, fields[] (name, offset u32, type u8), data u8[]
+//   RawImage     timestamp, frame_id, width u32, height u32, encoding, step u32, and of our own
+//                what the picture was made of: block u64, sent_width u32, sent_height u32; data
+//                u8[]
+//
+// Data stands last in both, whatever the place that the published definition gives it: readers go
+// by the definition that a channel brings along.
 #pragma once
 
 #include <array>
@@ -41,10 +48,25 @@ struct PointCloudHead {
   std::span<const PackedField> fields;
 };
 
-inline constexpr std::string_view kPointCloudSchemaName = "foxglove_msgs/msg/PointCloud";
-extern const std::string_view kPointCloudSchema;
+struct RawImageHead {
+  std::int64_t unix_ns = 0;  ///< Likewise.
+  std::string_view frame_id;
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::string_view encoding;
+  std::uint32_t step = 0;  ///< Bytes of a row.
+  std::uint64_t block = 0;
+  std::uint32_t sent_width = 0;
+  std::uint32_t sent_height = 0;
+};
 
-/// The message but for its data, of which `data_bytes` are to be appended behind it.
+inline constexpr std::string_view kPointCloudSchemaName = "foxglove_msgs/msg/PointCloud";
+inline constexpr std::string_view kRawImageSchemaName = "foxglove_msgs/msg/RawImage";
+[[nodiscard]] std::string point_cloud_schema();
+[[nodiscard]] std::string raw_image_schema();
+
+/// The messages but for their data, of which `data_bytes` are to be appended behind them.
 [[nodiscard]] std::string begin_point_cloud(const PointCloudHead& head, std::size_t data_bytes);
+[[nodiscard]] std::string begin_raw_image(const RawImageHead& head, std::size_t data_bytes);
 
 }  // namespace rigwire::protocols::foxglove

@@ -36,5 +36,24 @@ TEST(CdrMessages, ACloudsMembersAreAtMultiplesOfTheirSizes) {
   EXPECT_EQ(bytes, expected);
 }
 
+TEST(CdrMessages, APicturesBlockIsAtAMultipleOfEight) {
+  const std::string bytes = begin_raw_image({.unix_ns = 1'000'000'000,
+                                             .frame_id = "a",
+                                             .width = 3,
+                                             .height = 2,
+                                             .encoding = "rgb8",
+                                             .step = 9,
+                                             .block = 0x1'0000'0002,
+                                             .sent_width = 6,
+                                             .sent_height = 4},
+                                            18);
+  std::string expected = "\0\1\0\0"s + "\1\0\0\0"s + "\0\0\0\0"s;
+  expected += "\2\0\0\0"s + "a\0"s + "\0\0"s;                             // up to 16
+  expected += "\3\0\0\0"s + "\2\0\0\0"s + "\5\0\0\0rgb8\0"s + "\0\0\0"s;  // up to 36
+  expected += "\x9\0\0\0"s + "\2\0\0\0\1\0\0\0"s + "\6\0\0\0"s + "\4\0\0\0"s;
+  expected += "\x12\0\0\0"s;
+  EXPECT_EQ(bytes, expected);
+}
+
 }  // namespace
 }  // namespace rigwire::protocols::foxglove

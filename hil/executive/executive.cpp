@@ -21,6 +21,10 @@
 namespace rigwire::hil {
 namespace {
 
+// The truth is ahead of the clock and can wait for the wires; both go before what renders.
+constexpr std::chrono::microseconds kWiresTurn{100};
+constexpr std::chrono::microseconds kTruthTurn{500};
+
 /// The hand-over of sample batches from the thread that computes truth to the thread that owns the
 /// devices: a ring of reused slots, bounded, so that truth never runs further ahead than the ring.
 /// First in, first out. The ring owns the slots; a pointer to one holds until publish() or
@@ -145,7 +149,7 @@ class Executive::TruthThread {
 
   void start(const PacedClock& clock) {
     thread_ = std::thread([this, &clock] {
-      const ShortTurns short_turns;
+      const ShortTurns short_turns(kTruthTurn);
       loop(clock);
     });
   }
@@ -449,7 +453,7 @@ RunOutcome Executive::run_free(SimTime end, const ClientPatience& clients) {
 }
 
 RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
-  const ShortTurns short_turns;
+  const ShortTurns short_turns(kWiresTurn);
   truth_.begin(true);
   TruthThread truth(io_, truth_, settings, woken_);
   TruthRequests requests;

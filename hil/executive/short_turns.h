@@ -15,9 +15,10 @@ namespace rigwire::hil {
 /// takes no notice; no privilege is needed.
 class ShortTurns {
  public:
-  ShortTurns() {
+  /// 100 us to 100 ms; of two such threads the one with the shorter turn goes first.
+  explicit ShortTurns(std::chrono::nanoseconds turn) {
     known_ = ::syscall(SYS_sched_getattr, 0, &before_, sizeof before_, 0) == 0;
-    set(static_cast<std::uint64_t>(kTurn.count()));
+    set(static_cast<std::uint64_t>(turn.count()));
   }
   ~ShortTurns() { set(before_.sched_runtime); }
   ShortTurns(const ShortTurns&) = delete;
@@ -35,8 +36,6 @@ class ShortTurns {
     std::uint64_t sched_deadline = 0;
     std::uint64_t sched_period = 0;
   };
-  static constexpr std::chrono::nanoseconds kTurn = std::chrono::microseconds{100};
-
   void set(std::uint64_t turn_ns) const {
     if (!known_ || before_.sched_policy != 0) {  // of normal threads alone
       return;

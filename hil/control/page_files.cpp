@@ -21,12 +21,13 @@ struct Row {
   std::string_view package;  ///< Debian's; empty: of the page itself.
 };
 
-constexpr std::array<Row, 18> kRows{{
+constexpr std::array<Row, 19> kRows{{
     {"/", "index.html", ""},
     {"/page/style.css", "style.css", ""},
     {"/page/main.js", "main.js", ""},
     {"/page/run.js", "run.js", ""},
     {"/page/view.js", "view.js", ""},
+    {"/page/air.js", "air.js", ""},
     {"/page/cdr.js", "cdr.js", ""},
     {"/page/glb.js", "glb.js", ""},
     {"/page/wires.js", "wires.js", ""},

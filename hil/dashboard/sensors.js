@@ -48,6 +48,7 @@ export class Sensors {
   // x red, y green, z blue; drawn over what hides them, as the unit is within its link.
   axes() {
     const axes = new THREE.AxesHelper(AXES_M);
+    axes.material.fog = false;
     axes.material.depthTest = false;
     axes.renderOrder = 1;
     return axes;
@@ -81,7 +82,7 @@ export class Sensors {
     texture.minFilter = THREE.LinearFilter;
     texture.generateMipmaps = false;
     const picture = new THREE.Mesh(
-      geometry, new THREE.MeshBasicMaterial({ map: texture, side: THREE.DoubleSide, transparent: true, opacity: 0.85 }));
+      geometry, new THREE.MeshBasicMaterial({ map: texture, side: THREE.DoubleSide, transparent: true, opacity: 0.85, fog: false }));
     picture.visible = false; // until there is one
     const edges = [];
     const last = 2 * sides;
@@ -95,7 +96,7 @@ export class Sensors {
     if (!round) for (const corner of [0, last]) edges.push(...places.slice(3 * corner, 3 * corner + 6));
     const lines = new THREE.LineSegments(
       new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(edges, 3)),
-      new THREE.LineBasicMaterial({ color: 0x40c4ff }));
+      new THREE.LineBasicMaterial({ color: 0x40c4ff, fog: false }));
     const figure = document.createElement("figure");
     const caption = document.createElement("figcaption");
     caption.textContent = `${name}: no client takes its pictures`;
@@ -171,7 +172,7 @@ export class Sensors {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", this.view.dynamic(2 * MOST_SATELLITES));
     geometry.setAttribute("color", this.view.dynamic(2 * MOST_SATELLITES));
-    const lines = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ vertexColors: THREE.VertexColors }));
+    const lines = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ vertexColors: THREE.VertexColors, fog: false }));
     lines.frustumCulled = false;
     this.view.scene.add(lines);
     return lines;

@@ -4,6 +4,7 @@
 
 import * as THREE from "/lib/three/build/three.module.js";
 import { OrbitControls } from "/lib/three/examples/jsm/controls/OrbitControls.js";
+import { Air } from "/page/air.js";
 import { readGlb } from "/page/glb.js";
 
 const MOST_POINTS = 200000; // of one lidar
@@ -74,15 +75,10 @@ export class View {
     const sun = new THREE.DirectionalLight(0xfff4e0, 1.5);
     sun.position.set(-0.4, -0.7, 1);
     this.scene.add(sun, new THREE.HemisphereLight(0xcfe4ff, 0x6f6350, 0.9));
-    const dark = matchMedia("(prefers-color-scheme: dark)");
-    const sky = () => {
-      this.scene.background = new THREE.Color(dark.matches ? 0x0e1113 : 0xc7dcee);
-    };
-    dark.addEventListener("change", sky);
-    sky();
+    this.air = new Air(this.run, this.scene);
     this.path = new THREE.Line(
       new THREE.BufferGeometry().setAttribute("position", this.dynamic(MOST_PATH)),
-      new THREE.LineBasicMaterial({ color: 0xff8c00 }),
+      new THREE.LineBasicMaterial({ color: 0xff8c00, fog: false }),
     );
     this.path.frustumCulled = false;
     this.path.geometry.setDrawRange(0, 0);
@@ -261,7 +257,7 @@ export class View {
     geometry.setDrawRange(0, 0);
     const points = new THREE.Points(
       geometry,
-      new THREE.PointsMaterial({ size: 2, sizeAttenuation: false, vertexColors: THREE.VertexColors }),
+      new THREE.PointsMaterial({ size: 2, sizeAttenuation: false, vertexColors: THREE.VertexColors, fog: false }),
     );
     points.frustumCulled = false;
     return { points };
@@ -311,7 +307,7 @@ export class View {
     antenna.visible = false;
     const fixes = new THREE.Points(
       new THREE.BufferGeometry().setAttribute("position", this.dynamic(MOST_FIXES)),
-      new THREE.PointsMaterial({ size: 7, sizeAttenuation: false, color: 0xff00c8, depthTest: false }),
+      new THREE.PointsMaterial({ size: 7, sizeAttenuation: false, color: 0xff00c8, depthTest: false, fog: false }),
     );
     fixes.frustumCulled = false;
     fixes.geometry.setDrawRange(0, 0);
@@ -415,6 +411,7 @@ export class View {
       this.figures.textContent =
         `${triangles.toLocaleString("en")} triangles, ${(this.cloudPoints ?? 0).toLocaleString("en")} points a turn` +
         apart.map(([name, marks]) => `, ${name} ${marks.apart_m.toFixed(2)} m from its antenna`).join("") +
+        this.air.words() +
         this.figuresOf();
     }
   }

@@ -104,6 +104,19 @@ std::string satellites_message(std::string_view from, std::span<const SkySatelli
   return Json{{"from", from}, {"satellites", std::move(list)}}.dump();
 }
 
+/// {"rain_mmph", "snow_mmph", "extinction_pm", "dust": [[x, y, z, sigma_m, depth], ...]}
+std::string air_message(const AirView& air) {
+  std::string text =
+      fmt::format(R"({{"rain_mmph":{:.4g},"snow_mmph":{:.4g},"extinction_pm":{:.4g},"dust":[)",
+                  air.rain_mmph, air.snow_mmph, air.extinction_pm);
+  for (const AirView::Puff& puff : air.dust) {
+    fmt::format_to(std::back_inserter(text), "{}[{:.2f},{:.2f},{:.2f},{:.3g},{:.3g}]",
+                   text.ends_with('[') ? "" : ",", puff.centre_W.x(), puff.centre_W.y(),
+                   puff.centre_W.z(), puff.sigma_m, puff.depth);
+  }
+  return text + "]}";
+}
+
 std::string picture_message(std::int64_t unix_ns, const std::string& frame,
                             const SmallPicture& picture) {
   const auto bands =
@@ -541,6 +554,8 @@ RunStream::RunStream(boost::asio::io_context& io, StreamedRun run)
   }
   scene_channel_ = viewers_.add({"/scene", "json", "foxglove.SceneUpdate", SceneModel::schema(), 64,
                                  [this] { return scene_ ? scene_->whole() : std::string(); }});
+  air_channel_ = viewers_.add(
+      {"/air", "json", "rigwire.Air", kObjectSchema, 1, [this] { return air_message(air_); }});
   viewers_.add({"/sensors", "json", "rigwire.Sensors", kObjectSchema, 1,
                 [text = sensors_message(run_.sensors)] { return text; }});
   viewers_.on_asset([this](std::string_view uri) { return scene_ ? scene_->asset(uri) : nullptr; });
@@ -564,8 +579,13 @@ std::unique_ptr<WorldSensor> RunStream::world_view(const sim::Scene& scene, std:
   return make_world_view(links, kScenePeriod, [this](ViewChange change) {
     const SimTime at = change.time;
     ahead_->tell(at, [this, at, change = std::move(change)] {
-      const std::string text = scene_->apply(change);
-      viewers_.put(scene_channel_, unix_ns(at), text);
+      if (change.air) {
+        air_ = *change.air;
+        viewers_.put(air_channel_, unix_ns(at), air_message(air_));
+      }
+      if (change.changes_the_scene()) {
+        viewers_.put(scene_channel_, unix_ns(at), scene_->apply(change));
+      }
     });
   });
 }

@@ -5,6 +5,7 @@
 //   /truth /tf /antenna /joints /motion   as a recording has them (hil/record/truth_messages.h)
 //   /events                               likewise, foxglove.Log
 //   /scene                                foxglove.SceneUpdate (hil/stream/scene_model.h)
+//   /air                                  rigwire.Air: rain, snow, what all but dust dims, and dust
 //   /points/NAME                          foxglove_msgs/msg/PointCloud, CDR: each turn of a
 //                                         lidar's head by its packets (hil/record/lidar_clouds.h)
 //   /fix/NAME                             foxglove.LocationFix: what a receiver's bytes say, with
@@ -130,6 +131,8 @@ class RunStream final : public EventSource {
   std::array<Viewers::ChannelId, kTruthTracks> tracks_{};
   Viewers::ChannelId scene_channel_ = 0;
   std::optional<SceneModel> scene_;
+  Viewers::ChannelId air_channel_ = 0;
+  AirView air_;
   std::vector<std::unique_ptr<Wire>> wires_;
   std::unique_ptr<Decoder> decoder_;
 };

@@ -1,12 +1,24 @@
 #include "hil/world/view.h"
 
+#include <cmath>
 #include <utility>
 
 #include "sim/scene/height_field.h"
 #include "sim/scene/scene.h"
+#include "sim/weather/scene_weather.h"
 
 namespace rigwire::hil {
 namespace {
+
+AirView view_of(const sim::SceneWeather& weather, SimTime time) {
+  const sim::AirState state = weather.state(time);
+  AirView air{state.rain_mmph, state.snow_mmph, weather.even_extinction_pm(time), {}};
+  for (const sim::DustPuff& puff : weather.dust().puffs()) {
+    air.dust.push_back({puff.centre_W, std::sqrt(puff.variance_m2),
+                        sim::middle_depth(puff, weather.dust_parameters())});
+  }
+  return air;
+}
 
 class WorldView final : public WorldSensor {
  public:
@@ -49,7 +61,13 @@ class WorldView final : public WorldSensor {
       displaced_ = displaced;
       change.displaced = sim::displaced_things(slice.scene.placement());
     }
-    if (!change.empty()) {
+    if (slice.weather != nullptr) {
+      if (AirView air = view_of(*slice.weather, slice.t1); air != air_) {
+        air_ = air;
+        change.air = std::move(air);
+      }
+    }
+    if (change.changes_the_scene() || change.air) {
       told_(std::move(change));
     }
   }
@@ -62,6 +80,7 @@ class WorldView final : public WorldSensor {
   std::optional<sim::NodeRectangle> dug_;
   std::vector<Eigen::Isometry3d> places_;
   std::shared_ptr<const std::vector<sim::DisplacedPiece>> displaced_;
+  AirView air_;
 };
 
 }  // namespace

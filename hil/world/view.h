@@ -1,5 +1,6 @@
 // What changes in the looks of a scene while it runs, for who looks on: ground that is dug, loose
-// bodies that are pushed, trees that lean. What was there at the start tells sim::contents_of().
+// bodies that are pushed, trees that lean, the air. What was there at the start tells
+// sim::contents_of().
 #pragma once
 
 #include <cstddef>
@@ -13,6 +14,23 @@
 
 namespace rigwire::hil {
 
+/// The air, as it dims what is far away.
+struct AirView {
+  double rain_mmph = 0.0;
+  double snow_mmph = 0.0;
+  double extinction_pm = 0.0;  ///< Of all but dust, where fog is densest, as a lidar meets it.
+  struct Puff {
+    Eigen::Vector3d centre_W = Eigen::Vector3d::Zero();
+    double sigma_m = 0.0;
+    double depth = 0.0;  ///< Optical, one way through its middle.
+
+    friend bool operator==(const Puff&, const Puff&) = default;
+  };
+  std::vector<Puff> dust;
+
+  friend bool operator==(const AirView&, const AirView&) = default;
+};
+
 struct ViewChange {
   SimTime time{};
   /// Heights of nodes of the ground that was dug, row by row.
@@ -25,8 +43,11 @@ struct ViewChange {
   std::vector<Body> moved;  ///< Loose bodies that are elsewhere than at the change before.
   /// All that has left its place, when any of it has moved.
   std::vector<sim::DisplacedThing> displaced;
+  std::optional<AirView> air;
 
-  [[nodiscard]] bool empty() const { return !dug && moved.empty() && displaced.empty(); }
+  [[nodiscard]] bool changes_the_scene() const {
+    return dug || !moved.empty() || !displaced.empty();
+  }
 };
 
 /// Tells `told`, on the thread of the truth, what has changed, at most every `period`; nothing

@@ -49,6 +49,13 @@ double normal_share(double x) {
 
 }  // namespace
 
+double middle_depth(const DustPuff& puff, const DustParameters& parameters) {
+  // k m / (2 pi s^2)
+  const double optical_area_m2 =
+      parameters.mass_extinction_m2pkg * puff.mass_kg / puff.share_above_ground();
+  return optical_area_m2 / (2.0 * std::numbers::pi * puff.variance_m2);
+}
+
 struct DustField::Passages {
   std::array<Passage, kMostPuffs> all;
   std::size_t count = 0;
@@ -63,17 +70,14 @@ void DustField::fill(std::span<const DustPuff> puffs, const WeatherParameters& p
   puffs_.clear();
   groups_.clear();
   for (const DustPuff& puff : puffs.first(std::min(puffs.size(), kMostPuffs))) {
-    // Depth through the middle k m / (2 pi s^2); negligible from sqrt(2 s^2 ln(depth / least)) on.
-    const double optical_area_m2 =
-        parameters_.mass_extinction_m2pkg * puff.mass_kg / puff.share_above_ground();
-    const double middle_depth = optical_area_m2 / (2.0 * std::numbers::pi * puff.variance_m2);
-    if (!(middle_depth > kNegligibleDepth)) {
+    const double depth = middle_depth(puff, parameters_);
+    if (!(depth > kNegligibleDepth)) {
       continue;
     }
     const double sigma_m = std::sqrt(puff.variance_m2);
-    puffs_.push_back({puff.centre_W,
-                      2.0 * puff.variance_m2 * std::log(middle_depth / kNegligibleDepth), sigma_m,
-                      0.5 / puff.variance_m2, middle_depth / (sigma_m * kRootTwoPi)});
+    // Negligible from sqrt(2 s^2 ln(depth / least)) on.
+    puffs_.push_back({puff.centre_W, 2.0 * puff.variance_m2 * std::log(depth / kNegligibleDepth),
+                      sigma_m, 0.5 / puff.variance_m2, depth / (sigma_m * kRootTwoPi)});
   }
   if (!puffs_.empty()) {
     split(0, puffs_.size());

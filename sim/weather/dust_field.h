@@ -37,6 +37,9 @@
 
 namespace rigwire::sim {
 
+/// One way through the middle of a puff, as if there were no ground.
+[[nodiscard]] double middle_depth(const DustPuff& puff, const DustParameters& parameters);
+
 class DustField {
  public:
   DustField() = default;  ///< No dust.

@@ -112,12 +112,17 @@ void SceneWeather::step(SimTime time, std::span<const DustEmitter> emitters) {
   prepare(airs_.back(), time);
 }
 
-void SceneWeather::prepare(Air& air, SimTime time) {
-  const WeatherParameters& p = parameters_;
-  AirState state = state_at(p.course, time - kStart);
+AirState SceneWeather::state(SimTime time) const {
+  AirState state = state_at(parameters_.course, time - kStart);
   if (faults_ != nullptr) {
     faults_->lay_over(time, state);
   }
+  return state;
+}
+
+void SceneWeather::prepare(Air& air, SimTime time) {
+  const WeatherParameters& p = parameters_;
+  const AirState state = this->state(time);
   const bool soft = state.inverse_fog_visibility_pm > 0.0 || state.inverse_haze_visibility_pm > 0.0;
   if (soft && soft_echoes_ == nullptr) {
     soft_echoes_ = std::make_unique<SoftEchoTable>(p.overlap_start_m, p.overlap_end_m);

@@ -61,7 +61,11 @@ class SceneWeather final : public Weather {
   [[nodiscard]] AirPath along(const WeatherBeam& beam) const override;
   [[nodiscard]] bool present() const override { return present_; }
 
-  /// For tests, status and pictures.
+  // For tests, status and pictures.
+
+  /// By the course and its faults.
+  [[nodiscard]] AirState state(SimTime time) const;
+  [[nodiscard]] const DustParameters& dust_parameters() const { return parameters_.dust; }
   [[nodiscard]] const DustCloud& dust() const { return dust_; }
   [[nodiscard]] Eigen::Vector2d wind_mps() const { return wind_.velocity_mps(); }
   /// Of everything but dust and the fog's layers, at an instant held, per metre.

@@ -449,6 +449,7 @@ def fog_by_its_slider_shortens_what_the_lidar_sees(rig, browser):
     })()"""
     clear_m = eventually("a cloud", lambda: value(browser, farthest))
     assert clear_m > 45, clear_m
+    clear = picture(browser).std()
     browser.execute_script("""
         const slider = document.getElementById("air-fog");
         slider.value = 1;
@@ -458,6 +459,8 @@ def fog_by_its_slider_shortens_what_the_lidar_sees(rig, browser):
     assert rig.command("read")["air"] == {"rain": None, "snow": None, "fog": "10 m"}
     # An echo of 45 m would have e^-27 of its strength.
     eventually("nothing far is seen", lambda: value(browser, farthest) < 45)
+    eventually("the view is told", lambda: "visibility 10 m" in browser.find_element(By.ID, "view-figures").text)
+    eventually("the view is dim", lambda: picture(browser).std() < 0.7 * clear)
     browser.find_element(By.CSS_SELECTOR, "[data-air=fog] button").click()
     eventually("it is clear again", lambda: value(browser, farthest) > 0.9 * clear_m)
     eventually("the page says so", lambda: not browser.find_elements(By.CSS_SELECTOR, "[data-air].held"))

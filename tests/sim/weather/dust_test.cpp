@@ -175,6 +175,17 @@ TEST(DustCloudTest, AFullCloudLooksAsOneOfAnyNumberOfPuffs) {
   }
 }
 
+TEST(DustFieldTest, ThroughTheMiddleOfAPuffIsItsMiddleDepth) {
+  const WeatherParameters parameters;
+  for (const DustPuff& puff : random_puffs(10, 3)) {
+    DustField field;
+    field.fill({&puff, 1}, parameters);
+    const double found =
+        field.optical_depth(puff.centre_W - Eigen::Vector3d(50.0, 0.0, 0.0), {1, 0, 0}, 100.0);
+    EXPECT_NEAR(found, middle_depth(puff, parameters.dust), 1.1e-4);
+  }
+}
+
 TEST(DustFieldTest, OpticalDepthIsThatOfMarching) {
   const auto puffs = random_puffs(150, 1);
   const WeatherParameters parameters;

@@ -205,7 +205,8 @@ nlohmann::json measure_rig(std::ostream& text, const char* rig) {
          number("more_core", way.core - ways.front().core, "{:.3f}"),
          number("pace", way.pace, "{:.3f}"), number("lateness_p50_us", way.p50_us, "{:.0f}"),
          number("lateness_p99_us", way.p99_us, "{:.0f}"),
-         number("first_picture_s", way.picture_s, "{:.2f}"),
+         way.wants ? number("first_picture_s", way.picture_s, "{:.2f}")
+                   : cell("first_picture_s", nullptr, "-"),
          number("mb_per_s", way.mb_per_s, "{:.2f}"), count("dropped", way.dropped),
          count("not_shown", way.not_shown)}));
   }

@@ -69,6 +69,7 @@ Json json_of(const DeviceStatus& device) {
             {"lateness_p50_us", 1e6 * to_seconds(device.lateness_p50)},
             {"lateness_p99_us", 1e6 * to_seconds(device.lateness_p99)},
             {"lateness_max_us", 1e6 * to_seconds(device.lateness_max)},
+            {"lateness_us", lateness_json(device.lateness)},
             {"client_present", device.client_present},
             {"readers", device.readers},
             {"last_request", nullptr}};
@@ -77,6 +78,27 @@ Json json_of(const DeviceStatus& device) {
                             {"text", printable(device.last_request->text)}};
   }
   return json;
+}
+
+Json json_of(const BusStatus& bus) {
+  // By protocols::can::ErrorState.
+  constexpr std::array<std::string_view, 4> kStates{"active", "warning", "passive", "bus-off"};
+  Json nodes = Json::array();
+  for (const emulators::CanNodeStatus& node : bus.nodes) {
+    nodes.push_back({{"name", printable(std::string(node.name))},
+                     {"state", kStates[static_cast<std::size_t>(node.controller.state)]},
+                     {"transmit_errors", node.controller.transmit_errors},
+                     {"receive_errors", node.controller.receive_errors},
+                     {"sent", node.counters.sent},
+                     {"received", node.counters.received},
+                     {"overflowed", node.counters.overflowed},
+                     {"retransmissions", node.counters.retransmissions},
+                     {"bus_offs", node.counters.bus_offs}});
+  }
+  return {{"load", bus.load},
+          {"frames", bus.frames},
+          {"error_frames", bus.error_frames},
+          {"nodes", std::move(nodes)}};
 }
 
 Json json_of(const FaultWindow& fault) {
@@ -323,6 +345,10 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
       }
     }
   }
+  Json buses = Json::object();
+  for (const BusStatus& bus : status.buses) {
+    buses[bus.name] = json_of(bus);
+  }
   Json faults = Json::array();
   for (const FaultWindow& fault : status.faults) {
     faults.push_back(json_of(fault));
@@ -330,6 +356,7 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
   done(answer, {{"machine", machine()},
                 {"air", has_air() ? air() : Json(nullptr)},
                 {"devices", std::move(devices)},
+                {"buses", std::move(buses)},
                 {"faults", std::move(faults)},
                 {"slipped_s", to_seconds(status.slipped)},
                 {"recording", run_.recorder != nullptr && run_.recorder->folder()

@@ -21,19 +21,21 @@ struct Row {
   std::string_view package;  ///< Debian's; empty: of the page itself.
 };
 
-constexpr std::array<Row, 19> kRows{{
+constexpr std::array<Row, 21> kRows{{
     {"/", "index.html", ""},
     {"/page/style.css", "style.css", ""},
     {"/page/main.js", "main.js", ""},
     {"/page/run.js", "run.js", ""},
     {"/page/view.js", "view.js", ""},
     {"/page/air.js", "air.js", ""},
+    {"/page/buses.js", "buses.js", ""},
     {"/page/cdr.js", "cdr.js", ""},
     {"/page/glb.js", "glb.js", ""},
     {"/page/wires.js", "wires.js", ""},
     {"/page/plots.js", "plots.js", ""},
     {"/page/events.js", "events.js", ""},
     {"/page/hands.js", "hands.js", ""},
+    {"/page/lateness.js", "lateness.js", ""},
     {"/page/registers.js", "registers.js", ""},
     {"/page/sensors.js", "sensors.js", ""},
     {"/page/timeline.js", "timeline.js", ""},

@@ -1,5 +1,6 @@
 // Joins the parts of the page with the run.
 
+import { Buses } from "/page/buses.js";
 import { Events } from "/page/events.js";
 import { Hands } from "/page/hands.js";
 import { Plots } from "/page/plots.js";
@@ -49,7 +50,14 @@ const wires = new Wires(run, part("devices"), part("wire"), part("messages"), {
   bytes: part("message-bytes"),
   fields: part("message-fields"),
   follow: part("message-follow"),
+  lateness: part("lateness"),
 }, (...numbers) => plots.take(...numbers));
+const buses = new Buses(run, {
+  details: part("buses"),
+  loads: part("bus-loads"),
+  nodes: part("bus-nodes"),
+  identifiers: part("bus-identifiers"),
+});
 const registers = new Registers(run, part("registers"), part("register-rows"));
 const hands = new Hands(run, {
   pause: part("pause"),
@@ -102,4 +110,4 @@ try {
 }
 
 // For whoever looks at the page with a program, and with the browser's own console.
-window.rigwire = { run, view, sensors, wires, registers, events, timeLine, hands, plots };
+window.rigwire = { run, view, sensors, wires, buses, registers, events, timeLine, hands, plots };

@@ -311,9 +311,15 @@ export class View {
     );
     fixes.frustumCulled = false;
     fixes.geometry.setDrawRange(0, 0);
-    group.add(antenna, fixes);
+    const ellipse = new THREE.LineLoop(
+      new THREE.BufferGeometry().setFromPoints(
+        Array.from({ length: 48 }, (_, i) => new THREE.Vector3(Math.cos((i * Math.PI) / 24), Math.sin((i * Math.PI) / 24), 0))),
+      new THREE.LineBasicMaterial({ color: 0xff00c8, fog: false }),
+    );
+    ellipse.visible = false;
+    group.add(antenna, fixes, ellipse);
     this.scene.add(group);
-    return { antenna, fixes, latest: null, number: 0 };
+    return { antenna, fixes, ellipse, latest: null, number: 0 };
   }
 
   showFix(device, fix) {
@@ -323,6 +329,12 @@ export class View {
     attributes.position.array.set(fix.position_m, 3 * (marks.number++ % MOST_FIXES));
     attributes.position.needsUpdate = true;
     marks.fixes.geometry.setDrawRange(0, Math.min(marks.number, MOST_FIXES));
+    const [east, north] = [fix.position_covariance[0], fix.position_covariance[4]].map(Math.sqrt);
+    marks.ellipse.visible = fix.position_covariance_type !== 0 && east > 0 && north > 0;
+    marks.ellipse.position.set(...fix.position_m);
+    marks.ellipse.scale.set(east, north, 1);
+    marks.sure = marks.ellipse.visible
+      ? `${fix.position_covariance_type === 1 ? ", guessed" : ","} 1σ ${Math.max(east, north).toFixed(2)} m` : "";
   }
 
   // The antenna itself, from the fix that is nearest to it: degrees apart are metres apart.
@@ -410,7 +422,7 @@ export class View {
       const apart = [...this.fixes].filter(([, marks]) => marks.apart_m !== undefined);
       this.figures.textContent =
         `${triangles.toLocaleString("en")} triangles, ${(this.cloudPoints ?? 0).toLocaleString("en")} points a turn` +
-        apart.map(([name, marks]) => `, ${name} ${marks.apart_m.toFixed(2)} m from its antenna`).join("") +
+        apart.map(([name, marks]) => `, ${name} ${marks.apart_m.toFixed(2)} m from its antenna${marks.sure}`).join("") +
         this.air.words() +
         this.figuresOf();
     }

@@ -1,5 +1,7 @@
-// The table of wires: each device against what it should do, the messages of one wire live, and one of
-// them with its fields, each of which marks its bytes when it is pointed at.
+// The table of wires: each device against what it should do, how late one of them is, the messages of one
+// wire live, and one of them with its fields, each of which marks its bytes when it is pointed at.
+
+import { drawLateness } from "/page/lateness.js";
 
 const MOST_MESSAGES = 60;
 const DETAIL_MS = 500; // from one message to the next in the detail, until one is chosen
@@ -22,7 +24,7 @@ const whole = (number) => Math.round(number).toLocaleString("en");
 
 export class Wires {
   // `plot(source, numbers, time_s)` is given what the messages of a wire say.
-  // `detail`: {head, bytes, fields, follow}, of one message.
+  // `detail`: {head, bytes, fields, follow}, of one message, and {lateness}, of one device.
   constructor(run, rows, choice, list, detail, plot) {
     this.run = run;
     this.plot = plot;
@@ -30,6 +32,7 @@ export class Wires {
     this.choice = choice;
     this.list = list;
     this.detail = detail;
+    this.device = null; // whose lateness is shown
     this.chosen = null; // message whose detail stays
     this.detailAt = 0;
     this.before = null; // the status before, for rates
@@ -56,6 +59,12 @@ export class Wires {
       row.querySelector(".drops").classList.toggle("bad", device.dropped > 0);
     }
     this.before = status;
+    this.showLateness();
+  }
+
+  showLateness() {
+    const known = this.before?.devices[this.device];
+    if (known) drawLateness(this.detail.lateness, this.device, known.lateness_us);
   }
 
   newRow(name) {
@@ -79,6 +88,8 @@ export class Wires {
 
   // A device on a shared wire is on the one that its address names.
   choose(device, wire) {
+    this.device = device;
+    this.showLateness();
     const topics = [...this.choice.options].map((option) => option.value);
     const own = `/wire/${device}`;
     const shared = topics.find((topic) => topic && wire.includes(topic.slice(6)));

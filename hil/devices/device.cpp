@@ -40,6 +40,7 @@ DeviceStatus Device::status(const std::string& name, SimTime now) const {
   status.lateness_p50 = known.lateness.percentile(0.5);
   status.lateness_p99 = known.lateness.percentile(0.99);
   status.lateness_max = known.lateness.max();
+  status.lateness = classes_of(known.lateness);
   if (known.last_client_activity) {
     status.since_client_activity = now - *known.last_client_activity;
   }

@@ -34,6 +34,7 @@ struct DeviceStatus {
   Duration lateness_p50{0};
   Duration lateness_p99{0};
   Duration lateness_max{0};
+  LatencyClasses lateness{};
   bool client_present = false;
   unsigned readers = 0;  ///< Programs on one plug (drivers::EndpointStatus).
   std::optional<Duration> since_client_activity;  ///< Simulated time since a client last sent.

@@ -18,26 +18,13 @@ double seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-/// Counts by their upper edge in microseconds; null: what is above all.
-Json classes(const LatencyHistogram& lateness) {
-  Json list = Json::array();
-  std::uint64_t below = 0;
-  for (const Duration edge : kLatencyEdges) {
-    const std::uint64_t up_to = lateness.up_to(edge);
-    list.push_back({edge / std::chrono::microseconds{1}, up_to - below});
-    below = up_to;
-  }
-  list.push_back({nullptr, lateness.count() - below});
-  return list;
-}
-
 Json lateness_us(const LatencyHistogram& lateness) {
   const auto us = [](Duration span) { return to_seconds(span) * 1e6; };
   return {{"p50", us(lateness.percentile(0.5))},
           {"p99", us(lateness.percentile(0.99))},
           {"p999", us(lateness.percentile(0.999))},
           {"max", us(lateness.max())},
-          {"histogram", classes(lateness)}};
+          {"histogram", lateness_json(classes_of(lateness))}};
 }
 
 std::string kernel() {
@@ -47,6 +34,17 @@ std::string kernel() {
 }
 
 }  // namespace
+
+Json lateness_json(const LatencyClasses& classes) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    const Json edge_us = i < kLatencyEdges.size()
+                             ? Json(kLatencyEdges[i] / std::chrono::microseconds{1})
+                             : Json(nullptr);
+    list.push_back({edge_us, classes[i]});
+  }
+  return list;
+}
 
 std::string to_json(const RunReport& report) {
   Json json;

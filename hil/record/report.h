@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,9 @@ struct RunReport {
   std::vector<DeviceReport> devices;
   std::vector<FaultWindow> faults;  ///< Of the rig's file, those that acted in this run.
 };
+
+/// Counts by their upper edge in microseconds, [[10, 4], ...]; null: what is above all.
+[[nodiscard]] nlohmann::ordered_json lateness_json(const LatencyClasses& classes);
 
 /// The report as JSON text, keys as docs/command-line.md lists them. Lateness is 0 when
 /// free-running: simulated time waits for the write there.

@@ -89,12 +89,18 @@ std::string timestamp(std::int64_t start_unix_ns, SimTime at) {
 }
 
 std::string location_message(const std::string& timestamp, std::string_view frame_id,
-                             const sim::GeodeticPoint& place, std::string_view more) {
-  return fmt::format(R"({{"timestamp":{},"frame_id":{},"latitude":{:.10f},"longitude":{:.10f},)"
-                     R"("altitude":{:.4f},"position_covariance":[0,0,0,0,0,0,0,0,0],)"
-                     R"("position_covariance_type":0{}}})",
-                     timestamp, Json(std::string(frame_id)).dump(), place.latitude_deg,
-                     place.longitude_deg, place.ellipsoid_height_m, more);
+                             const sim::GeodeticPoint& place, const LocationSpread& spread,
+                             std::string_view more) {
+  const auto variance = [&](std::size_t axis) {
+    return spread.sigma_m[axis] * spread.sigma_m[axis];
+  };
+  return fmt::format(
+      R"({{"timestamp":{},"frame_id":{},"latitude":{:.10f},"longitude":{:.10f},)"
+      R"("altitude":{:.4f},"position_covariance":[{:.6g},0,0,0,{:.6g},0,0,0,{:.6g}],)"
+      R"("position_covariance_type":{}{}}})",
+      timestamp, Json(std::string(frame_id)).dump(), place.latitude_deg, place.longitude_deg,
+      place.ellipsoid_height_m, variance(0), variance(1), variance(2),
+      static_cast<int>(spread.kind), more);
 }
 
 std::string log_message(std::int64_t start_unix_ns, SimTime at, LogLevel level,

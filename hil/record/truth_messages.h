@@ -47,9 +47,16 @@ struct ChannelRow {
 /// {"sec","nsec"} of an instant of a run that started at `start_unix_ns`.
 [[nodiscard]] std::string timestamp(std::int64_t start_unix_ns, SimTime at);
 
+/// How sure a place is, along east, north and up: covariance of foxglove.LocationFix.
+struct LocationSpread {
+  enum class Kind : std::uint8_t { unknown, guessed, along_axes };
+  std::array<double, 3> sigma_m{};
+  Kind kind = Kind::unknown;
+};
 /// foxglove.LocationFix. `frame_id` is the device's name.
 [[nodiscard]] std::string location_message(const std::string& timestamp, std::string_view frame_id,
                                            const sim::GeodeticPoint& place,
+                                           const LocationSpread& spread = {},
                                            std::string_view more = {});
 
 /// foxglove.Log.

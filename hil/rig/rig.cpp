@@ -702,6 +702,11 @@ RigStatus Rig::status() const {
   for (const NamedDevice& device : devices_) {
     status.devices.push_back(device.device->status(device.name, status.now));
   }
+  for (const auto& [name, bus] : buses_) {
+    const emulators::CanBusModel& model = bus->can.bus();
+    status.buses.push_back(
+        {name, model.load(status.now), model.frames(), model.error_frames(), model.nodes()});
+  }
   status.faults = faults_.windows();
   std::erase_if(status.faults,
                 [&](const FaultWindow& fault) { return !fault.acts_at(status.now); });

@@ -1,6 +1,7 @@
 #include "hil/stream/fix_reader.h"
 
 #include <optional>
+#include <utility>
 #include <variant>
 
 #include "protocols/nmea/readers.h"
@@ -14,38 +15,67 @@ namespace nmea = protocols::nmea;
 namespace ubx = protocols::ubx;
 
 template <class Message>
-std::optional<sim::GeodeticPoint> place_of(const ubx::FrameView& frame) {
+std::optional<ReceiverFix> fix_of(const ubx::FrameView& frame) {
   const auto pvt = ubx::decode<Message>(frame);
   if (!pvt.ok() || (pvt->flags & ubx::kPvtFixOk) == 0) {
     return std::nullopt;
   }
-  return sim::GeodeticPoint{1e-7 * pvt->latitude_e7deg, 1e-7 * pvt->longitude_e7deg,
-                            1e-3 * pvt->ellipsoid_height_mm};
+  const double across_m = 1e-3 * pvt->horizontal_accuracy_mm;
+  return ReceiverFix{
+      {1e-7 * pvt->latitude_e7deg, 1e-7 * pvt->longitude_e7deg, 1e-3 * pvt->ellipsoid_height_mm},
+      {{across_m, across_m, 1e-3 * pvt->vertical_accuracy_mm}}};
 }
 
-std::optional<sim::GeodeticPoint> place_of(const nmea::SentenceView& sentence) {
-  const auto gga = nmea::read_gga(sentence);
-  if (!gga.ok() || gga->quality == 0) {
+/// Per dilution, by GGA's quality.
+std::optional<double> guessed_m(int quality) {
+  switch (quality) {
+    case 1:  // alone
+    case 5:  // float RTK
+      return 4.0;
+    case 2:  // differential
+      return 0.1;
+    case 4:  // integer RTK
+      return 0.02;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<ReceiverFix> fix_of(const nmea::Gga& gga,
+                                  const std::optional<std::array<double, 3>>& told_sigma_m) {
+  if (gga.quality == 0) {
     return std::nullopt;
   }
-  return sim::GeodeticPoint{gga->latitude_deg, gga->longitude_deg,
-                            gga->altitude_m + gga->separation_m};
+  ReceiverFix fix{{gga.latitude_deg, gga.longitude_deg, gga.altitude_m + gga.separation_m},
+                  told_sigma_m};
+  const auto per_dilution_m = guessed_m(gga.quality);
+  if (!fix.sigma_m && per_dilution_m && gga.horizontal_dilution) {
+    const double across_m = *per_dilution_m * *gga.horizontal_dilution;
+    fix.sigma_m = {across_m, across_m, 2.0 * across_m};
+    fix.guessed = true;
+  }
+  return fix;
 }
 
 }  // namespace
 
 void FixReader::take(std::span<const std::uint8_t> bytes, const Use& use) {
-  const auto tell = [&](const std::optional<sim::GeodeticPoint>& place) {
-    if (place) {
-      use(*place);
+  const auto tell = [&](const std::optional<ReceiverFix>& fix) {
+    if (fix) {
+      use(*fix);
     }
   };
   messages_.take(bytes, [&](std::span<const std::uint8_t> /*message*/, const auto& content) {
     if (const auto* const frame = std::get_if<ubx::FrameView>(&content)) {
-      const auto place = place_of<ubx::NavPvt>(*frame);
-      tell(place ? place : place_of<ubx::NavPvt92>(*frame));
+      const auto fix = fix_of<ubx::NavPvt>(*frame);
+      tell(fix ? fix : fix_of<ubx::NavPvt92>(*frame));
     } else if (const auto* const sentence = std::get_if<nmea::SentenceView>(&content)) {
-      tell(place_of(*sentence));
+      if (const auto gst = nmea::read_gst(*sentence);
+          gst.ok() && gst->longitude_m && gst->latitude_m && gst->altitude_m) {
+        told_sigma_m_ = {*gst->longitude_m, *gst->latitude_m, *gst->altitude_m};
+      } else if (const auto gga = nmea::read_gga(*sentence); gga.ok()) {
+        tell(fix_of(*gga, std::exchange(told_sigma_m_, std::nullopt)));
+      }
     }
   });
 }

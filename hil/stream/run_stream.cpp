@@ -447,11 +447,17 @@ bool RunStream::Wire::decode(const Piece& piece) {
     }
   }
   if (wanted(fixes_)) {
-    fix_reader_.take(piece.bytes, [&](const sim::GeodeticPoint& place) {
-      const Eigen::Vector3d p_W = stream_.run_.frame.to_world(place);
-      send(fixes_, location_message(timestamp(stream_.run_.start_unix_ns, piece.at), name_, place,
-                                    fmt::format(R"(,"position_m":[{:.4f},{:.4f},{:.4f}])", p_W.x(),
-                                                p_W.y(), p_W.z())));
+    fix_reader_.take(piece.bytes, [&](const ReceiverFix& fix) {
+      const Eigen::Vector3d p_W = stream_.run_.frame.to_world(fix.place);
+      using Kind = LocationSpread::Kind;
+      const LocationSpread spread{fix.sigma_m.value_or(std::array<double, 3>{}),
+                                  !fix.sigma_m  ? Kind::unknown
+                                  : fix.guessed ? Kind::guessed
+                                                : Kind::along_axes};
+      send(fixes_,
+           location_message(
+               timestamp(stream_.run_.start_unix_ns, piece.at), name_, fix.place, spread,
+               fmt::format(R"(,"position_m":[{:.4f},{:.4f},{:.4f}])", p_W.x(), p_W.y(), p_W.z())));
     });
   }
   if (wanted(satellites_)) {
@@ -474,7 +480,7 @@ bool RunStream::Wire::decode(const Piece& piece) {
 
 void RunStream::Wire::decode_message(const Piece& piece) {
   const auto tell = [&](std::span<const std::uint8_t> bytes, const WireReading& reading,
-                        Json signals) {
+                        const Json& more = Json::object()) {
     if (!stream_.viewers_.wanted(*messages_)) {
       return;
     }
@@ -484,9 +490,7 @@ void RunStream::Wire::decode_message(const Piece& piece) {
                  {"bytes", hexadecimal(bytes)},
                  {"text", reading.text},
                  {"fields", json_of(reading.fields)}};
-    if (!signals.is_null()) {
-      message["signals"] = std::move(signals);
-    }
+    message.update(more);
     if (left_out_ != 0) {
       message["left_out"] = std::exchange(left_out_, 0);
     }
@@ -497,27 +501,27 @@ void RunStream::Wire::decode_message(const Piece& piece) {
     const auto frame =
         protocols::can::parse_frame_text(std::string(piece.bytes.begin(), piece.bytes.end()));
     if (frame) {
-      tell(frame->payload(), read_frame(*frame, can_messages_), signals_of(*frame, can_messages_));
+      tell(frame->payload(), read_frame(*frame, can_messages_),
+           {{"id", fmt::format("{:0{}X}", frame->id, frame->extended ? 8 : 3)},
+            {"signals", signals_of(*frame, can_messages_)}});
     }
   } else if (modbus_) {
     modbus_->take(piece.at, piece.end, piece.of_client, piece.bytes,
                   [&](std::span<const std::uint8_t> bytes, const WireReading& reading) {
-                    tell(bytes, reading, {});
+                    tell(bytes, reading);
                   });
   } else if (fixes_) {
     (piece.of_client ? of_client_ : of_receiver_)
         .take(piece.bytes, [&](std::span<const std::uint8_t> bytes, const auto& /*content*/) {
-          tell(bytes, read_serial(bytes), {});
+          tell(bytes, read_serial(bytes));
         });
   } else if (kind_ == WireKind::serial) {
-    tell(piece.bytes, read_serial(piece.bytes), {});
+    tell(piece.bytes, read_serial(piece.bytes));
   } else if (is_to_be_told(piece)) {
     const bool controls = piece.end == protocols::gige_vision::kGvcpPort;
-    tell(piece.bytes,
-         !pictures_ ? read_datagram(piece.bytes)
-         : controls ? read_control_packet(piece.bytes)
-                    : read_stream_packet(piece.bytes),
-         {});
+    tell(piece.bytes, !pictures_ ? read_datagram(piece.bytes)
+                      : controls ? read_control_packet(piece.bytes)
+                                 : read_stream_packet(piece.bytes));
   }
 }
 

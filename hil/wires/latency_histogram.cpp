@@ -63,4 +63,16 @@ Duration LatencyHistogram::percentile(double share) const {
   return max_;
 }
 
+LatencyClasses classes_of(const LatencyHistogram& latencies) {
+  LatencyClasses classes{};
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < kLatencyEdges.size(); ++i) {
+    const std::uint64_t up_to = latencies.up_to(kLatencyEdges[i]);
+    classes[i] = up_to - below;
+    below = up_to;
+  }
+  classes.back() = latencies.count() - below;
+  return classes;
+}
+
 }  // namespace rigwire::hil

@@ -47,4 +47,8 @@ inline constexpr std::array<Duration, 14> kLatencyEdges{
     std::chrono::milliseconds{10},  std::chrono::milliseconds{20},  std::chrono::milliseconds{50},
     std::chrono::milliseconds{100}, std::chrono::seconds{1}};
 
+/// How many lie between each of these edges and the one before, and above the last.
+using LatencyClasses = std::array<std::uint64_t, kLatencyEdges.size() + 1>;
+[[nodiscard]] LatencyClasses classes_of(const LatencyHistogram& latencies);
+
 }  // namespace rigwire::hil

@@ -12,6 +12,8 @@ RIGWIRE, then in the path. Simulated times are seconds; `time_ns` is exact.
 """
 
 from rigwire.rig import (
+    BusNode,
+    BusStatus,
     DeviceStatus,
     Event,
     Events,
@@ -29,6 +31,8 @@ from rigwire.rig import (
 )
 
 __all__ = [
+    "BusNode",
+    "BusStatus",
     "DeviceStatus",
     "Event",
     "Events",

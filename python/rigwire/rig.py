@@ -86,10 +86,34 @@ class DeviceStatus:
     lateness_p50_us: float
     lateness_p99_us: float
     lateness_max_us: float
+    lateness_us: Sequence[Sequence[float | None]]  #: [upper edge, messages] by class; None: above all.
     client_present: bool
     readers: int  #: Programs on one plug.
     last_request: Request | None
     settable: Sequence[str] = ()  #: Keys of its configuration that `set` can change.
+
+
+@dataclass(frozen=True)
+class BusNode:
+    """A node of a CAN bus, as its emulated controller has it."""
+
+    name: str  #: Empty: the client's.
+    state: str  #: "active", "warning", "passive", "bus-off".
+    transmit_errors: int
+    receive_errors: int
+    sent: int
+    received: int
+    overflowed: int  #: Lost since its queue was full.
+    retransmissions: int
+    bus_offs: int
+
+
+@dataclass(frozen=True)
+class BusStatus:
+    load: float  #: Share of the last second that it was busy.
+    frames: int
+    error_frames: int
+    nodes: Sequence[BusNode]
 
 
 @dataclass(frozen=True)
@@ -134,6 +158,7 @@ class Reading:
     time_ns: int
     machine: Machine
     devices: Mapping[str, DeviceStatus]
+    buses: Mapping[str, BusStatus]
     faults: Sequence[FaultWindow]
     slipped_s: float  #: By which the clock gave way to a host that is too slow.
     recording: str | None  #: Folder of the one that goes on.
@@ -324,6 +349,10 @@ class Rig:
                     }
                 )
                 for name, device in reply["devices"].items()
+            },
+            {
+                name: BusStatus(**{**bus, "nodes": [BusNode(**node) for node in bus["nodes"]]})
+                for name, bus in reply["buses"].items()
             },
             [FaultWindow(**fault) for fault in reply["faults"]],
             reply["slipped_s"],

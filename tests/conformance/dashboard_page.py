@@ -376,6 +376,54 @@ def registers_have_their_names_and_who_wrote_them(rig, browser):
     assert told == "77" and marked == ["00", "4d"], (told, marked)
 
 
+def buses_have_their_load_their_nodes_and_their_identifiers(rig, browser):
+    browser.find_element(By.CSS_SELECTOR, "#buses summary").click()
+
+    def rows(of):
+        return value(browser, f"[...document.getElementById('{of}').rows].map("
+                              "(row) => [...row.cells].map((cell) => cell.textContent))")
+    eventually("nodes are listed", lambda: any(name == "imu_boom" for _, name, *_ in rows("bus-nodes")))
+    assert all(state == "active" for _, _, state, *_ in rows("bus-nodes")), rows("bus-nodes")
+
+    def frames():
+        read = rig.command("read")
+        return read["time_ns"] * 1e-9, read["buses"]["can"]["frames"]
+    begin_s, before = frames()
+    eventually("6 s go by", lambda: frames()[0] > begin_s + 6)
+    end_s, after = frames()
+    eventually("rates are those of the bus", lambda: abs(
+        sum(float(rate) for _, _, rate, *_ in rows("bus-identifiers")) / ((after - before) / (end_s - begin_s)) - 1) < 0.1)
+    shown = float(re.search(r"can: load ([\d.]+) %", browser.find_element(By.ID, "bus-loads").text).group(1))
+    load = 100 * rig.command("read")["buses"]["can"]["load"]
+    assert 1 < load < 100 and abs(shown - load) < 5, (shown, load)
+    browser.find_element(By.CSS_SELECTOR, "#buses summary").click()
+    eventually("nobody listens any more", lambda: "/wire/can" not in value(
+        browser, "[...rigwire.run.subscriptions.values()]"))
+
+
+def lateness_of_a_device_is_shown_by_class(rig, browser):
+    browser.find_element(By.CSS_SELECTOR, "tr[data-device=lidar] button").click()
+    told = eventually("it is told", lambda: browser.find_element(By.ID, "lateness-words").text)
+    assert told.startswith("lidar: "), told
+    counts = value(browser, "rigwire.wires.before.devices.lidar.lateness_us")
+    assert [us for us, _ in counts][:3] == [10, 20, 50] and counts[-1][0] is None, counts
+    assert sum(count for _, count in counts) > 1000, counts
+    assert value(browser, "document.querySelectorAll('#lateness rect').length") >= 6
+    browser.execute_script("""
+        const choice = document.getElementById("wire");
+        choice.value = "";
+        choice.dispatchEvent(new Event("change"));""")
+
+
+def a_fix_has_its_ellipse(rig, browser):
+    sigma_m = eventually("an ellipse", lambda: value(browser, """(() => {
+        const { ellipse, latest } = rigwire.view.fixes.get("gnss");
+        return ellipse.visible && [ellipse.scale.x, Math.sqrt(latest.position_covariance[0]), latest.position_covariance_type];
+    })()"""))
+    assert abs(sigma_m[0] - sigma_m[1]) < 1e-6 and 0.3 < sigma_m[0] < 40 and sigma_m[2] in (1, 2), sigma_m
+    eventually("it is said", lambda: "1σ" in browser.find_element(By.ID, "view-figures").text)
+
+
 def mark_field(browser, message, field):
     """Chooses a message of the wire that is watched, points at a field: its words, and the bytes marked."""
     chosen = f"[...document.querySelectorAll('#messages li')].find((li) => li.textContent.includes({json.dumps(message)}))"
@@ -753,6 +801,8 @@ GROUPS = {
              the_report_has_what_the_page_showed],
     "wires": [nothing_is_complained_of, satellites_are_those_that_gpsd_hears_of, sensors_sit_where_the_rig_says,
               registers_have_their_names_and_who_wrote_them, fields_mark_their_bytes,
+              buses_have_their_load_their_nodes_and_their_identifiers, lateness_of_a_device_is_shown_by_class,
+              a_fix_has_its_ellipse,
               a_hand_is_marked_beside_what_the_client_asks, fog_by_its_slider_shortens_what_the_lidar_sees,
               a_mark_on_the_time_line_moves_the_plots],
     "looks": [nothing_is_complained_of, nothing_is_clipped, light_and_dark_can_both_be_read,

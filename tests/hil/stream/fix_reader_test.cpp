@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,27 +24,40 @@ std::string sentence(std::string_view body) {
   return "$" + std::string(body) + "*" + kDigits[sum / 16] + kDigits[sum % 16] + "\r\n";
 }
 
-std::vector<sim::GeodeticPoint> read(std::string_view text, std::size_t piece) {
+std::vector<ReceiverFix> read(std::string_view text, std::size_t piece) {
   FixReader reader;
-  std::vector<sim::GeodeticPoint> places;
+  std::vector<ReceiverFix> fixes;
   for (std::size_t at = 0; at < text.size(); at += piece) {
     const std::string_view part = text.substr(at, piece);
     reader.take({reinterpret_cast<const std::uint8_t*>(part.data()), part.size()},
-                [&](const sim::GeodeticPoint& place) { places.push_back(place); });
+                [&](const ReceiverFix& fix) { fixes.push_back(fix); });
   }
-  return places;
+  return fixes;
 }
 
 TEST(FixReader, ReadsGgaInPiecesOfAnySize) {
   const std::string body(kFix.substr(1, kFix.find('*') - 1));
   const std::string text = "rest of one\r\n" + sentence(body) + "noise" + sentence(body);
   for (const std::size_t piece : std::vector<std::size_t>{1, 7, 1000}) {
-    const auto places = read(text, piece);
-    ASSERT_EQ(places.size(), 2U) << piece;
-    EXPECT_NEAR(places[0].latitude_deg, 49.4247, 1e-6);
-    EXPECT_NEAR(places[0].longitude_deg, 7.7517, 1e-6);
-    EXPECT_NEAR(places[0].ellipsoid_height_m, 248.0, 1e-6);
+    const auto fixes = read(text, piece);
+    ASSERT_EQ(fixes.size(), 2U) << piece;
+    EXPECT_NEAR(fixes[0].place.latitude_deg, 49.4247, 1e-6);
+    EXPECT_NEAR(fixes[0].place.longitude_deg, 7.7517, 1e-6);
+    EXPECT_NEAR(fixes[0].place.ellipsoid_height_m, 248.0, 1e-6);
   }
+}
+
+TEST(FixReader, StandardDeviationsAreThoseOfGstElseAGuess) {
+  const std::string fix = sentence(kFix.substr(1, kFix.find('*') - 1));
+  const std::string told = sentence("GPGST,080001.00,1.2,,,,0.7,0.9,1.6");
+  const auto fixes = read(fix + told + fix + fix, 50);
+  ASSERT_EQ(fixes.size(), 3U);
+  // A dilution of 1.0, alone.
+  EXPECT_TRUE(fixes[0].guessed);
+  EXPECT_EQ(*fixes[0].sigma_m, (std::array<double, 3>{4.0, 4.0, 8.0}));
+  EXPECT_FALSE(fixes[1].guessed);
+  EXPECT_EQ(*fixes[1].sigma_m, (std::array<double, 3>{0.9, 0.7, 1.6}));
+  EXPECT_TRUE(fixes[2].guessed) << "that of the epoch before";
 }
 
 TEST(FixReader, AReceiverWithoutFixTellsNone) {

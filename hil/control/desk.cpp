@@ -14,6 +14,7 @@
 #include "hil/configuration/problems.h"
 #include "hil/configuration/reader.h"
 #include "hil/configuration/suggest.h"
+#include "hil/record/report.h"
 
 namespace rigwire::hil {
 namespace {

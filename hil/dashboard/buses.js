@@ -1,5 +1,5 @@
 // The CAN buses: load, nodes with their state and error counters as the emulated controllers have them,
-// and how often each identifier comes. Identifiers are counted while the list is open.
+// and how often each identifier comes, which is asked for while the list is open.
 
 const SPAN_S = 5; // over which identifiers are counted
 
@@ -32,16 +32,15 @@ export class Buses {
   constructor(run, parts) {
     this.run = run;
     this.parts = parts;
-    this.rows = new Map();
-    this.heard = new Map(); // bus and identifier -> {bus, id, size, from, text, times}
-    this.since_s = new Map(); // bus -> when its first message was heard
+    this.rows = new Map(); // of both tables
+    this.told = new Map(); // bus -> [[simulated s, identifier -> count], ...] of the last SPAN_S
     this.ends = new Map(); // bus -> what ends listening
     this.names = [];
-    run.listen("/status", (status) => this.show(status));
+    run.listen("/status", ({ buses }) => this.show(buses));
     parts.details.addEventListener("toggle", () => this.watch());
   }
 
-  show({ time_ns, buses }) {
+  show(buses) {
     this.names = Object.keys(buses);
     this.parts.details.hidden = this.names.length === 0;
     this.watch();
@@ -56,35 +55,30 @@ export class Buses {
         row.querySelector(".state").classList.toggle("bad", node.state !== "active");
       });
     }
-    const now_s = time_ns * 1e-9;
-    for (const [key, one] of this.heard) {
-      one.times = one.times.filter((time_s) => time_s > now_s - SPAN_S);
-      const span_s = Math.min(SPAN_S, now_s - this.since_s.get(one.bus));
-      this.fill(this.parts.identifiers, key, IDENTIFIER, { ...one, rate: span_s > 0 ? one.times.length / span_s : 0 });
-    }
   }
 
   watch() {
     for (const bus of this.names) {
       if (this.parts.details.open && !this.ends.has(bus)) {
-        this.since_s.delete(bus);
-        this.ends.set(bus, this.run.listen(`/wire/${bus}`, (message) => this.hear(bus, message)));
+        this.told.set(bus, []);
+        this.ends.set(bus, this.run.listen(`/identifiers/${bus}`, ({ identifiers }, time) => this.count(bus, identifiers, time)));
       } else if (!this.parts.details.open) {
         this.ends.get(bus)?.();
         this.ends.delete(bus);
-        this.heard.clear();
       }
     }
   }
 
-  hear(bus, { time_ns, id, size, from, text }) {
-    const time_s = time_ns * 1e-9;
-    if (!this.since_s.has(bus)) this.since_s.set(bus, time_s);
-    const key = `${bus} ${id}`;
-    if (!this.heard.has(key)) this.heard.set(key, { bus, id, times: [] });
-    const one = this.heard.get(key);
-    Object.assign(one, { size, from, text });
-    one.times.push(time_s);
+  count(bus, identifiers, time) {
+    const now_s = Number(time) * 1e-9;
+    const told = this.told.get(bus);
+    if (time > 0n) told.push([now_s, new Map(identifiers.map(({ id, count }) => [id, count]))]);
+    while (told.length > 2 && told[0][0] < now_s - SPAN_S) told.shift();
+    const [before_s, before] = told[0] ?? [now_s, new Map()];
+    for (const one of identifiers) {
+      const rate = now_s > before_s ? (one.count - (before.get(one.id) ?? 0)) / (now_s - before_s) : 0;
+      this.fill(this.parts.identifiers, `${bus} ${one.id}`, IDENTIFIER, { ...one, bus, rate });
+    }
   }
 
   fill(table, key, columns, what) {

@@ -16,6 +16,7 @@
 
 #include "hil/executive/background_thread.h"
 #include "hil/stream/fix_reader.h"
+#include "hil/stream/identifier_counts.h"
 #include "hil/stream/picture_reader.h"
 #include "hil/stream/receiver_messages.h"
 #include "hil/stream/sky_reader.h"
@@ -32,8 +33,8 @@ using Json = nlohmann::ordered_json;
 
 /// Between two changes of the scene, simulated.
 constexpr Duration kScenePeriod = std::chrono::milliseconds{200};
-/// Of wall time, between two accounts of a Modbus line's registers.
-constexpr std::chrono::milliseconds kRegistersPeriod{200};
+/// Of wall time, between two accounts of a wire.
+constexpr std::chrono::milliseconds kAccountPeriod{200};
 /// Of wall time, between two datagrams of so many bytes that are told with their fields: nobody
 /// reads more, and the fields of a lidar's 1800 a second would take a core.
 constexpr std::chrono::milliseconds kBulkPeriod{20};
@@ -223,12 +224,7 @@ class RunStream::Wire final : public WireTap {
     if (auto units = stream.run_.units(name); !units.empty()) {
       modbus_.emplace(kind == WireKind::serial ? ModbusReader::Line::rtu : ModbusReader::Line::tcp,
                       std::move(units));
-      registers_text_ = modbus_->registers();
-      registers_ =
-          viewers.add({"/registers/" + name, "json", "rigwire.Registers", kObjectSchema, 1, [this] {
-                         const std::scoped_lock lock(mutex_);
-                         return registers_text_;
-                       }});
+      add_account({"/registers/" + name, "json", "rigwire.Registers", kObjectSchema, 1});
     }
     const auto sensor = std::ranges::find(stream.run_.sensors, name, &ShownSensor::name);
     if (kind == WireKind::ethernet && sensor != stream.run_.sensors.end() &&
@@ -245,6 +241,7 @@ class RunStream::Wire final : public WireTap {
     }
     if (kind == WireKind::can) {
       can_messages_ = stream.run_.messages(name);
+      add_account({"/identifiers/" + name, "json", "rigwire.Identifiers", kObjectSchema, 1});
     }
     if (kind == WireKind::serial && stream.run_.receivers.contains(name)) {
       const ChannelRow location = row(TruthTrack::location);
@@ -262,11 +259,15 @@ class RunStream::Wire final : public WireTap {
 
   // On the decoder's thread.
 
-  /// Whether its registers are to be told anew.
+  /// Whether its account is to be told anew.
   [[nodiscard]] bool decode(const Piece& piece);
-  void tell_registers(SimTime at);
+  void tell_account(SimTime at);
 
  private:
+  void add_account(StreamChannel channel);
+  [[nodiscard]] std::string account() const {
+    return modbus_ ? modbus_->registers() : identifiers_.json(can_messages_);
+  }
   void decode_message(const Piece& piece);
   /// Of datagrams with much in them, whose like come by the thousand, some are told.
   [[nodiscard]] bool is_to_be_told(const Piece& piece);
@@ -276,7 +277,7 @@ class RunStream::Wire final : public WireTap {
       return channel && stream_.viewers_.wanted(*channel);
     };
     return is(messages_) || is(points_) || is(fixes_) || is(satellites_) || is(pictures_) ||
-           is(registers_);
+           is(account_);
   }
 
   RunStream& stream_;
@@ -287,7 +288,8 @@ class RunStream::Wire final : public WireTap {
   std::optional<Viewers::ChannelId> fixes_;
   std::optional<Viewers::ChannelId> satellites_;
   std::optional<Viewers::ChannelId> pictures_;
-  std::optional<Viewers::ChannelId> registers_;
+  /// Of a Modbus line its registers, of a CAN bus its identifiers: told from time to time.
+  std::optional<Viewers::ChannelId> account_;
   std::optional<LidarClouds> clouds_;
   std::vector<protocols::can::OwnedMessage> can_messages_;
   ReceiverMessages of_receiver_;  ///< To be shown.
@@ -296,10 +298,11 @@ class RunStream::Wire final : public WireTap {
   SkyReader sky_reader_;
   std::optional<PictureReader> picture_reader_;
   std::optional<ModbusReader> modbus_;
+  IdentifierCounts identifiers_;
   std::chrono::steady_clock::time_point bulk_told_;
   std::uint64_t left_out_ = 0;  ///< Of these, since the last message.
   std::mutex mutex_;
-  std::string registers_text_;  ///< As they were told last; for who comes later.
+  std::string account_text_;  ///< As it was told last; for who comes later.
 };
 
 class RunStream::Decoder {
@@ -351,7 +354,7 @@ class RunStream::Decoder {
   void work() {
     yield_to_the_loop();
     std::deque<Piece> taken;
-    std::set<Wire*> untold;  // whose registers have changed since they were told
+    std::set<Wire*> untold;  // whose accounts have changed since they were told
     SimTime last{};
     while (true) {
       bool came = true;
@@ -361,7 +364,7 @@ class RunStream::Decoder {
         if (untold.empty()) {
           came_.wait(lock, ready);
         } else {
-          came = came_.wait_for(lock, kRegistersPeriod, ready);
+          came = came_.wait_for(lock, kAccountPeriod, ready);
         }
         if (over_) {
           return;
@@ -377,10 +380,10 @@ class RunStream::Decoder {
       }
       taken.clear();
       if (const auto now = std::chrono::steady_clock::now();
-          !came || now >= registers_told_ + kRegistersPeriod) {
-        registers_told_ = now;
+          !came || now >= accounts_told_ + kAccountPeriod) {
+        accounts_told_ = now;
         for (Wire* const wire : untold) {
-          wire->tell_registers(last);
+          wire->tell_account(last);
         }
         untold.clear();
       }
@@ -397,7 +400,7 @@ class RunStream::Decoder {
   std::size_t bytes_ = 0;
   std::uint64_t not_shown_ = 0;
   bool over_ = false;
-  std::chrono::steady_clock::time_point registers_told_;
+  std::chrono::steady_clock::time_point accounts_told_;
   std::thread thread_;
 };
 
@@ -472,10 +475,11 @@ bool RunStream::Wire::decode(const Piece& piece) {
            picture_message(static_cast<std::int64_t>(stream_.unix_ns(piece.at)), name_, *picture));
     }
   }
-  if (stream_.viewers_.wanted(*messages_) || (registers_ && stream_.viewers_.wanted(*registers_))) {
+  const bool accounts = account_ && stream_.viewers_.wanted(*account_);
+  if (accounts || stream_.viewers_.wanted(*messages_)) {
     decode_message(piece);
   }
-  return registers_ && stream_.viewers_.wanted(*registers_);
+  return accounts;
 }
 
 void RunStream::Wire::decode_message(const Piece& piece) {
@@ -501,9 +505,9 @@ void RunStream::Wire::decode_message(const Piece& piece) {
     const auto frame =
         protocols::can::parse_frame_text(std::string(piece.bytes.begin(), piece.bytes.end()));
     if (frame) {
+      identifiers_.take(*frame, piece.of_client);
       tell(frame->payload(), read_frame(*frame, can_messages_),
-           {{"id", fmt::format("{:0{}X}", frame->id, frame->extended ? 8 : 3)},
-            {"signals", signals_of(*frame, can_messages_)}});
+           {{"id", identifier_text(*frame)}, {"signals", signals_of(*frame, can_messages_)}});
     }
   } else if (modbus_) {
     modbus_->take(piece.at, piece.end, piece.of_client, piece.bytes,
@@ -535,13 +539,22 @@ bool RunStream::Wire::is_to_be_told(const Piece& piece) {
   return true;
 }
 
-void RunStream::Wire::tell_registers(SimTime at) {
-  const std::string text = modbus_->registers();
+void RunStream::Wire::add_account(StreamChannel channel) {
+  account_text_ = account();
+  channel.first = [this] {
+    const std::scoped_lock lock(mutex_);
+    return account_text_;
+  };
+  account_ = stream_.viewers_.add(std::move(channel));
+}
+
+void RunStream::Wire::tell_account(SimTime at) {
+  const std::string text = account();
   {
     const std::scoped_lock lock(mutex_);
-    registers_text_ = text;
+    account_text_ = text;
   }
-  stream_.decoder_->send(*registers_, at, text);
+  stream_.decoder_->send(*account_, at, text);
 }
 
 RunStream::RunStream(boost::asio::io_context& io, StreamedRun run)

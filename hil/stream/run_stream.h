@@ -18,6 +18,9 @@
 //   /sensors                              rigwire.Sensors: where each sits; once
 //   /wire/NAME                            rigwire.WireMessage: what passes on a wire
 //                                         (hil/stream/wire_reading.h)
+//   /identifiers/NAME                     rigwire.Identifiers: of a CAN bus, how often each has
+//   come
+//                                         since somebody looks (hil/stream/identifier_counts.h)
 //   /registers/NAME                       rigwire.Registers: what is known of those of a Modbus
 //                                         line (hil/stream/modbus_reader.h)
 //

@@ -397,7 +397,7 @@ def buses_have_their_load_their_nodes_and_their_identifiers(rig, browser):
     load = 100 * rig.command("read")["buses"]["can"]["load"]
     assert 1 < load < 100 and abs(shown - load) < 5, (shown, load)
     browser.find_element(By.CSS_SELECTOR, "#buses summary").click()
-    eventually("nobody listens any more", lambda: "/wire/can" not in value(
+    eventually("nobody listens any more", lambda: "/identifiers/can" not in value(
         browser, "[...rigwire.run.subscriptions.values()]"))
 
 

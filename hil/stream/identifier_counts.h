@@ -1,0 +1,35 @@
+// How often each identifier has come on a CAN bus, and its newest frame.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "protocols/can/frame.h"
+#include "protocols/can/message.h"
+
+namespace rigwire::hil {
+
+/// As tools write it: three digits, of an identifier of 29 bits eight.
+[[nodiscard]] std::string identifier_text(const protocols::can::Frame& frame);
+
+class IdentifierCounts {
+ public:
+  void take(const protocols::can::Frame& frame, bool of_client);
+  /// {"identifiers": [{"id", "count", "size", "from", "text"}, ...]}, the more urgent first;
+  /// `text` is what the newest frame says (hil/stream/wire_reading.h), as far as these messages of
+  /// the bus tell.
+  [[nodiscard]] std::string json(std::span<const protocols::can::OwnedMessage> messages) const;
+
+ private:
+  struct Identifier {
+    std::uint64_t count = 0;
+    protocols::can::Frame newest;
+    bool of_client = false;
+  };
+  std::map<std::pair<std::uint32_t, bool>, Identifier> identifiers_;  ///< In order of arbitration.
+};
+
+}  // namespace rigwire::hil

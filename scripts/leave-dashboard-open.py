@@ -3,7 +3,7 @@
 
     scripts/leave-dashboard-open.py [--minutes 1 10 30 60] [RIG]
 
-Everything is looked at: the scene, two plots, the messages of a wire. A line for each instant: what
+Everything is looked at: the scene, two plots, the messages of a wire, the CAN buses. A line for each instant: what
 JavaScript holds after a collection, nodes of the page, resident memory of the run, frames drawn,
 messages that the server dropped since the page was too slow. Processors that draw without a graphics
 card have one core's work with it: nothing else is measured beside it.
@@ -33,6 +33,8 @@ def look_at_everything(browser):
     wires = Select(browser.find_element(By.ID, "wire"))
     names = [option.get_attribute("value") for option in wires.options]
     wires.select_by_value("/wire/can" if "/wire/can" in names else names[-1])
+    browser.find_element(By.CSS_SELECTOR, "#buses summary").click()
+    browser.execute_script("window.scrollTo(0, 0);")  # what is out of sight is not drawn
 
 
 def main():

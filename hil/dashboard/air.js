@@ -8,7 +8,7 @@ const DUST = 0xa8906c;
 const FOG = { light: 0xc9d0d6, dark: 0x59616a };
 const SKY = { light: 0xc7dcee, dark: 0x0e1113 };
 const SKY_M = 1000; // of air, before the sky
-const CONTRAST = 3.912; // extinction times visibility, where a fiftieth of the contrast is left
+const CONTRAST = Math.log(20); // extinction times the meteorological optical range
 const SIGMAS = 3; // to the edge of a puff's picture
 const PUFF_PX = 64;
 

@@ -377,7 +377,9 @@ def registers_have_their_names_and_who_wrote_them(rig, browser):
 
 
 def buses_have_their_load_their_nodes_and_their_identifiers(rig, browser):
-    browser.find_element(By.CSS_SELECTOR, "#buses summary").click()
+    summary = browser.find_element(By.CSS_SELECTOR, "#buses summary")
+    eventually("the status has told of buses", summary.is_displayed)
+    summary.click()
 
     def rows(of):
         return value(browser, f"[...document.getElementById('{of}').rows].map("
@@ -396,7 +398,7 @@ def buses_have_their_load_their_nodes_and_their_identifiers(rig, browser):
     shown = float(re.search(r"can: load ([\d.]+) %", browser.find_element(By.ID, "bus-loads").text).group(1))
     load = 100 * rig.command("read")["buses"]["can"]["load"]
     assert 1 < load < 100 and abs(shown - load) < 5, (shown, load)
-    browser.find_element(By.CSS_SELECTOR, "#buses summary").click()
+    summary.click()
     eventually("nobody listens any more", lambda: "/identifiers/can" not in value(
         browser, "[...rigwire.run.subscriptions.values()]"))
 
@@ -421,6 +423,7 @@ def a_fix_has_its_ellipse(rig, browser):
         return ellipse.visible && [ellipse.scale.x, Math.sqrt(latest.position_covariance[0]), latest.position_covariance_type];
     })()"""))
     assert abs(sigma_m[0] - sigma_m[1]) < 1e-6 and 0.3 < sigma_m[0] < 40 and sigma_m[2] in (1, 2), sigma_m
+    frames_drawn(browser, 15)
     eventually("it is said", lambda: "1σ" in browser.find_element(By.ID, "view-figures").text)
 
 
@@ -497,6 +500,7 @@ def fog_by_its_slider_shortens_what_the_lidar_sees(rig, browser):
     })()"""
     clear_m = eventually("a cloud", lambda: value(browser, farthest))
     assert clear_m > 45, clear_m
+    frames_drawn(browser, 2)
     clear = picture(browser).std()
     browser.execute_script("""
         const slider = document.getElementById("air-fog");

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <vector>
 
 #include "hil/executive/shelves.h"
@@ -32,7 +33,8 @@ std::vector<ViewChange> told_of(sim::SceneWeather* weather,
                  .links_at_t0 = {},
                  .links_at_t1 = {},
                  .scene = scene,
-                 .weather = weather},
+                 .weather = weather,
+                 .dug = {}},
                 samples);
   }
   return told;
@@ -53,8 +55,8 @@ TEST(WorldView, SteadyFogIsToldOnceAndRisingFogEachTime) {
   EXPECT_FALSE(once.front().changes_the_scene());
   ASSERT_TRUE(once.front().air);
   EXPECT_EQ(once.front().air->rain_mmph, 4.0);
-  // Koschmieder's 3.912 / visibility, and a hundredth of it of the rain.
-  EXPECT_NEAR(once.front().air->extinction_pm, 3.912 / 40.0, 0.003);
+  // A twentieth of the contrast is left at the meteorological optical range; rain adds a hundredth.
+  EXPECT_NEAR(once.front().air->extinction_pm, std::log(20.0) / 40.0, 0.003);
 
   parameters.course = {{}, {.at = 10s, .fog_visibility_m = 40.0}};
   sim::SceneWeather rising(parameters, 1);

@@ -314,12 +314,19 @@ export class View {
     const ellipse = new THREE.LineLoop(
       new THREE.BufferGeometry().setFromPoints(
         Array.from({ length: 48 }, (_, i) => new THREE.Vector3(Math.cos((i * Math.PI) / 24), Math.sin((i * Math.PI) / 24), 0))),
-      new THREE.LineBasicMaterial({ color: 0xff00c8, fog: false }),
+      new THREE.LineBasicMaterial({ color: 0xff00c8, depthTest: false, fog: false }),
     );
-    ellipse.visible = false;
-    group.add(antenna, fixes, ellipse);
+    const error = new THREE.Line(
+      new THREE.BufferGeometry().setAttribute("position", this.dynamic(2)),
+      new THREE.LineBasicMaterial({ color: 0xff00c8, depthTest: false, fog: false }),
+    );
+    error.frustumCulled = false;
+    ellipse.visible = error.visible = false;
+    // A fix may lie within the machine or below ground: over all that is drawn before.
+    for (const mark of [fixes, ellipse, error]) mark.renderOrder = 1;
+    group.add(antenna, fixes, ellipse, error);
     this.scene.add(group);
-    return { antenna, fixes, ellipse, latest: null, number: 0 };
+    return { antenna, fixes, ellipse, error, latest: null, number: 0 };
   }
 
   showFix(device, fix) {
@@ -350,6 +357,10 @@ export class View {
       y + (place.latitude - fix.latitude) * radians * EARTH_M,
       z + place.altitude - fix.altitude,
     );
+    const { position } = marks.error.geometry.attributes;
+    position.array.set([x, y, z, ...marks.antenna.position.toArray()]);
+    position.needsUpdate = true;
+    marks.error.visible = true;
     marks.apart_m = marks.antenna.position.distanceTo(new THREE.Vector3(x, y, z));
   }
 

@@ -424,6 +424,8 @@ def a_fix_has_its_ellipse(rig, browser):
     })()"""))
     assert abs(sigma_m[0] - sigma_m[1]) < 1e-6 and 0.3 < sigma_m[0] < 40 and sigma_m[2] in (1, 2), sigma_m
     frames_drawn(browser, 15)
+    blue, green, red = numpy.moveaxis(picture(browser), 2, 0)
+    assert numpy.sum((red > 200) & (green < 60) & (blue > 180)) > 100, "fix and ellipse are hidden"
     eventually("it is said", lambda: "1σ" in browser.find_element(By.ID, "view-figures").text)
 
 

@@ -10,6 +10,12 @@ import time
 
 from dashboard_browser import page_of
 
+# A device's lateness and messages, the buses; the page stays where it is.
+OPEN = """
+    const devices = rigwire.wires.before?.devices ?? {};
+    const chosen = ["lidar", "gnss"].find((name) => name in devices);
+    if (chosen) rigwire.wires.choose(chosen, devices[chosen].wire);
+    document.getElementById("buses").open = true;"""
 RIGS = ["excavator_pit", "unimog_forest", "roller_road", "gator_campus"]
 
 
@@ -17,6 +23,7 @@ def still(rig, arguments, folder):
     with page_of(rig, folder, arguments.width, arguments.height, arguments.dark) as (browser, _):
         for quantity in arguments.plot:
             browser.execute_script("rigwire.plots.add(arguments[0]);", quantity)
+        browser.execute_script(OPEN)
         time.sleep(arguments.settle)
         suffix = "-dark" if arguments.dark else ""
         name = f"dashboard-{rig}{suffix}.png"

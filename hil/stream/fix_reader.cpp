@@ -1,5 +1,6 @@
 #include "hil/stream/fix_reader.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -26,20 +27,17 @@ std::optional<ReceiverFix> fix_of(const ubx::FrameView& frame) {
       {{across_m, across_m, 1e-3 * pvt->vertical_accuracy_mm}}};
 }
 
-/// Per dilution, by GGA's quality.
-std::optional<double> guessed_m(int quality) {
-  switch (quality) {
-    case 1:  // alone
-    case 5:  // float RTK
-      return 4.0;
-    case 2:  // differential
-      return 0.1;
-    case 4:  // integer RTK
-      return 0.02;
-    default:
-      return std::nullopt;
-  }
-}
+/// Standard deviations at a dilution of 1, by GGA's quality.
+struct Guess {
+  int quality;
+  double across_m;
+  double up_m;
+};
+constexpr double kAcrossAt95 = 2.45;
+constexpr double kUpAt95 = 1.96;
+constexpr std::array<Guess, 3> kGuesses{{{1, 15.0 / kAcrossAt95, 23.0 / kUpAt95},
+                                         {2, 3.75 / kAcrossAt95, 5.75 / kUpAt95},
+                                         {4, 0.02, 0.04}}};
 
 std::optional<ReceiverFix> fix_of(const nmea::Gga& gga,
                                   const std::optional<std::array<double, 3>>& told_sigma_m) {
@@ -48,10 +46,10 @@ std::optional<ReceiverFix> fix_of(const nmea::Gga& gga,
   }
   ReceiverFix fix{{gga.latitude_deg, gga.longitude_deg, gga.altitude_m + gga.separation_m},
                   told_sigma_m};
-  const auto per_dilution_m = guessed_m(gga.quality);
-  if (!fix.sigma_m && per_dilution_m && gga.horizontal_dilution) {
-    const double across_m = *per_dilution_m * *gga.horizontal_dilution;
-    fix.sigma_m = {across_m, across_m, 2.0 * across_m};
+  const auto guess = std::ranges::find(kGuesses, gga.quality, &Guess::quality);
+  if (!fix.sigma_m && guess != kGuesses.end() && gga.horizontal_dilution) {
+    const double across_m = guess->across_m * *gga.horizontal_dilution;
+    fix.sigma_m = {across_m, across_m, guess->up_m * *gga.horizontal_dilution};
     fix.guessed = true;
   }
   return fix;

@@ -54,10 +54,17 @@ TEST(FixReader, StandardDeviationsAreThoseOfGstElseAGuess) {
   ASSERT_EQ(fixes.size(), 3U);
   // A dilution of 1.0, alone.
   EXPECT_TRUE(fixes[0].guessed);
-  EXPECT_EQ(*fixes[0].sigma_m, (std::array<double, 3>{4.0, 4.0, 8.0}));
+  EXPECT_EQ(*fixes[0].sigma_m, (std::array<double, 3>{15.0 / 2.45, 15.0 / 2.45, 23.0 / 1.96}));
   EXPECT_FALSE(fixes[1].guessed);
   EXPECT_EQ(*fixes[1].sigma_m, (std::array<double, 3>{0.9, 0.7, 1.6}));
   EXPECT_TRUE(fixes[2].guessed) << "that of the epoch before";
+}
+
+TEST(FixReader, OfFloatRtkNothingIsGuessed) {
+  const auto fixes =
+      read(sentence("GPGGA,080001.00,4925.4820,N,00745.1020,E,5,08,1.0,200.0,M,48.0,M,,"), 50);
+  ASSERT_EQ(fixes.size(), 1U);
+  EXPECT_FALSE(fixes[0].sigma_m);
 }
 
 TEST(FixReader, AReceiverWithoutFixTellsNone) {

@@ -28,8 +28,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// One with a lidar of 694 444 shots a second, one with six, which are five million.
-constexpr std::array<const char*, 2> kRigs{"excavator_pit", "lidar_park"};
+struct LookedAt {
+  const char* rig;
+  const char* clock;
+};
+/// One with a lidar of 694 444 shots a second, one with six, which are five million: at half of
+/// real time two processors keep up with them.
+constexpr std::array<LookedAt, 2> kRigs{{{"excavator_pit", "real"}, {"lidar_park", "scaled:0.5"}}};
 constexpr int kRounds = 2;
 constexpr std::chrono::seconds kWindow{8};
 /// Before a window, so that start-up is not in it.
@@ -131,8 +136,8 @@ double lateness_us(const nlohmann::json& report, const char* quantile) {
   return greatest;
 }
 
-void measure(const char* rig, Way& way) {
-  Looked run(rig, way, {});
+void measure(const LookedAt& looked_at, Way& way) {
+  Looked run(looked_at.rig, way, {"--clock", looked_at.clock});
   const double begin_s = run.simulated_s();
   const IsolatedRun::Usage before = run.usage();
   const StreamViewer::Figures heard = run.figures();
@@ -177,17 +182,17 @@ nlohmann::json measure_memory(std::ostream& text, const char* rig, const Way& wa
   return {{"looks", std::move(looks)}, {"growth_mb", growth_mb}, {"goal_mb", kGoalGrowth_mb}};
 }
 
-nlohmann::json measure_rig(std::ostream& text, const char* rig) {
+nlohmann::json measure_rig(std::ostream& text, const LookedAt& looked_at) {
   std::array<Way, 4> ways{{{"no dashboard", false, {}},
                            {"nobody looks", true, {}},
                            {"the page", true, of_page},
                            {"every channel", true, [](std::string_view) { return true; }}}};
   for (int round = 0; round < kRounds; ++round) {
     for (Way& way : ways) {
-      measure(rig, way);
+      measure(looked_at, way);
     }
   }
-  const Table table(text, {{rig, "<16"},
+  const Table table(text, {{looked_at.rig, "<16"},
                            {"of a core", ">10"},
                            {"more", ">8"},
                            {"pace", ">8"},
@@ -218,7 +223,7 @@ nlohmann::json measure_rig(std::ostream& text, const char* rig) {
       page.picture_s < kGoalPicture_s ? "reached" : "MISSED");
   json["goal_core"] = kGoalCore;
   json["goal_picture_s"] = kGoalPicture_s;
-  json["memory"] = measure_memory(text, rig, page);
+  json["memory"] = measure_memory(text, looked_at.rig, page);
   return json;
 }
 
@@ -226,11 +231,11 @@ nlohmann::json measure_rig(std::ostream& text, const char* rig) {
 
 nlohmann::json bench_dashboard(std::ostream& text) {
   nlohmann::json json;
-  for (const char* const rig : kRigs) {
+  for (const LookedAt& looked_at : kRigs) {
     const std::array<double, 3> load = load_average();
     text << fmt::format("load average {:.2f} before\n", load[0]);
-    json[rig] = measure_rig(text, rig);
-    json[rig]["load_average_before"] = load;
+    json[looked_at.rig] = measure_rig(text, looked_at);
+    json[looked_at.rig]["load_average_before"] = load;
     text << std::flush;
   }
   return json;

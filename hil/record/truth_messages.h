@@ -49,6 +49,7 @@ struct ChannelRow {
 
 /// How sure a place is, along east, north and up: covariance of foxglove.LocationFix.
 struct LocationSpread {
+  /// As foxglove.LocationFix counts them.
   enum class Kind : std::uint8_t { unknown, guessed, along_axes };
   std::array<double, 3> sigma_m{};
   Kind kind = Kind::unknown;

@@ -506,6 +506,8 @@ void RunStream::Wire::decode_message(const Piece& piece) {
         protocols::can::parse_frame_text(std::string(piece.bytes.begin(), piece.bytes.end()));
     if (frame) {
       identifiers_.take(*frame, piece.of_client);
+    }
+    if (frame && stream_.viewers_.wanted(*messages_)) {
       tell(frame->payload(), read_frame(*frame, can_messages_),
            {{"id", identifier_text(*frame)}, {"signals", signals_of(*frame, can_messages_)}});
     }

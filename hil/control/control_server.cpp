@@ -60,6 +60,7 @@ bool same(std::string_view found, std::string_view wanted) {
 
 /// What is served where; dispatch, refusals and the description are made of it.
 struct Door {
+  /// On the thread of the desk.
   using Serve = void (*)(Desk& desk, const drivers::HttpRequest& request, Desk::Asker asker,
                          const drivers::HttpServer::Respond& respond);
 
@@ -68,7 +69,7 @@ struct Door {
   std::string_view text;
   std::string_view content;  ///< Type of what is answered.
   bool replies;              ///< With a Reply of the desk.
-  Serve serve;
+  Serve serve;               ///< Null: what is answered is of no run.
 };
 
 Desk::Answer answer_with(const drivers::HttpServer::Respond& respond) {
@@ -94,10 +95,7 @@ constexpr std::array<Door, 5> kDoors{{
      [](Desk& desk, const auto&, Desk::Asker, const auto& respond) {
        respond({200, kPrometheus, desk.metrics(), {}, false});
      }},
-    {"GET", "/openapi.json", "This description.", kJson, false,
-     [](Desk&, const auto&, Desk::Asker, const auto& respond) {
-       respond({200, kJson, control_api(), {}, false});
-     }},
+    {"GET", "/openapi.json", "This description.", kJson, false, nullptr},
 }};
 
 }  // namespace
@@ -136,6 +134,7 @@ ControlServer::ControlServer(boost::asio::io_context& io, const ControlEndpoint&
     : endpoint_(endpoint),
       token_(std::move(token)),
       desk_(desk),
+      desk_thread_(io, desk.io()),
       dashboard_(endpoint.path.empty() ? dashboard : nullptr),
       server_(io, server_settings(endpoint)) {
   endpoint_.port = server_.port();
@@ -261,8 +260,14 @@ void ControlServer::serve(const drivers::HttpRequest& request,
     respond(refusal);
     return;
   }
-  door->serve(desk_, request, endpoint_.path.empty() ? Desk::Asker::anybody : Desk::Asker::owner,
-              respond);
+  if (door->serve == nullptr) {
+    respond({200, kJson, control_api(), {}, false});
+    return;
+  }
+  desk_thread_.go([this, door, request, respond = desk_thread_.back(respond)] {
+    door->serve(desk_, request, endpoint_.path.empty() ? Desk::Asker::anybody : Desk::Asker::owner,
+                respond);
+  });
 }
 
 namespace {

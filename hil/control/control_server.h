@@ -23,8 +23,8 @@
 // the server's own address then. The page may load nothing from elsewhere and runs no script but
 // those files (Content-Security-Policy).
 //
-// On the thread that runs the executive; clients that do not read are closed
-// (drivers/http_server.h).
+// On the thread of its io_context, which with a dashboard is that of the stream; the desk may be on
+// another one. Clients that do not read are closed (drivers/http_server.h).
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -35,6 +35,7 @@
 #include "drivers/http_server.h"
 #include "hil/control/dashboard.h"
 #include "hil/control/desk.h"
+#include "hil/executive/crossing.h"
 
 namespace rigwire::hil {
 
@@ -75,6 +76,7 @@ class ControlServer {
   ControlEndpoint endpoint_;
   std::string token_;
   Desk& desk_;
+  Crossing desk_thread_;
   Dashboard* dashboard_;
   drivers::HttpServer server_;
 };

@@ -179,15 +179,19 @@ StreamedRun streamed_run(const RigConfiguration& configuration, const std::strin
 
 Dashboard::Dashboard(boost::asio::io_context& io, RunStream& stream, Rig& rig,
                      const RigConfiguration& configuration, std::optional<Duration> duration)
-    : timer_(io), stream_(stream), executive_(rig.executive()), duration_(duration) {
+    : viewers_thread_(io, stream.io()),
+      desk_thread_(stream.io(), io),
+      timer_(io),
+      stream_(stream),
+      executive_(rig.executive()),
+      duration_(duration) {
   const sim::Machine& machine = rig.world().machine();
   const Duration period =
       configuration.step * ((kTruthPeriod + configuration.step - Duration{1}) / configuration.step);
   rig.world().add_truth_observer(
       stream.truth_observer(rig.calendar(), machine.truth_fields(), machine.link_names()), period);
   rig.world().add(stream.world_view(rig.world().scene(), machine.link_names().size()));
-  executive_.add(stream);
-  stream.follow([this] { return executive_.now(); });
+  stream.follow([this] { return executive_.reached(); });
 }
 
 Dashboard::~Dashboard() = default;
@@ -196,6 +200,26 @@ void Dashboard::serve(Desk& desk) {
   desk_ = &desk;
   Viewers& viewers = stream_.viewers();
   status_ = viewers.add({"/status", "json", "rigwire.Status", R"({"type":"object"})", 1});
+  offer_commands();
+  viewers.offer({[this](const StreamParameters::Told& told) {
+                   desk_thread_.go([this, told = desk_thread_.back(told)] { told(parameters()); });
+                 },
+                 [this](const auto& wanted, const auto& done) {
+                   desk_thread_.go([this, wanted, done = desk_thread_.back(done)] {
+                     set_parameters(wanted, done);
+                   });
+                 }});
+  if (duration_) {
+    viewers.set_range(stream_.unix_ns(kStart), stream_.unix_ns(kStart + *duration_));
+    viewers.on_playback([this](const auto& control, const auto& done) {
+      desk_thread_.go(
+          [this, control, done = desk_thread_.back(done)] { done(control_playback(control)); });
+    });
+  }
+  tick();
+}
+
+void Dashboard::offer_commands() {
   for (StreamService& service : services_of(static_cast<Command*>(nullptr))) {
     service.call = [this, verb = service.name.substr(1)](std::string_view request,
                                                          const StreamService::Answer& answer) {
@@ -205,43 +229,40 @@ void Dashboard::serve(Desk& desk) {
         return;
       }
       json["verb"] = verb;
-      desk_->carry_out(
-          json.dump(-1, ' ', false, Json::error_handler_t::replace), "the request",
-          [answer](const Reply& reply) {
-            const bool done = reply.outcome == Reply::Outcome::done;
-            answer(done, done ? reply.json : said(reply));
-          },
-          // Who has a port's token need not be this user.
-          Desk::Asker::anybody);
+      const auto replied = desk_thread_.back([answer](const Reply& reply) {
+        const bool done = reply.outcome == Reply::Outcome::done;
+        answer(done, done ? reply.json : said(reply));
+      });
+      desk_thread_.go(
+          [this, replied, text = json.dump(-1, ' ', false, Json::error_handler_t::replace)] {
+            // Who has a port's token need not be this user.
+            desk_->carry_out(text, "the request", replied, Desk::Asker::anybody);
+          });
     };
-    viewers.add(std::move(service));
+    stream_.viewers().add(std::move(service));
   }
-  viewers.offer({[this] { return parameters(); },
-                 [this](const auto& wanted, const auto& done) { set_parameters(wanted, done); }});
-  if (duration_) {
-    viewers.set_range(stream_.unix_ns(kStart), stream_.unix_ns(kStart + *duration_));
-    viewers.on_playback([this](const auto& control) { return control_playback(control); });
-  }
-  tick();
 }
 
 void Dashboard::tick() {
-  Viewers& viewers = stream_.viewers();
   const std::uint64_t now = stream_.unix_ns(executive_.now());
-  viewers.tick(now);
   const bool tells_status = ticks_++ % kTicksPerStatus == 0;
-  if (tells_status) {
-    viewers.tell_parameters();
-  }
-  if (tells_status && viewers.wanted(status_)) {
+  viewers_thread_.go([&viewers = stream_.viewers(), now, tells_status] {
+    viewers.tick(now);
+    if (tells_status) {
+      viewers.tell_parameters();
+    }
+  });
+  if (tells_status && stream_.viewers().wanted(status_)) {
     desk_->carry_out(Request{ReadCommand{}}, [this, now](const Reply& reply) {
-      Json json = Json::parse(reply.json);
-      const Viewers::Figures figures = stream_.viewers().figures();
-      json["viewers"] = {{"count", figures.viewers},
-                         {"sent", figures.sent},
-                         {"dropped", figures.dropped},
-                         {"not_shown", stream_.not_shown()}};
-      stream_.viewers().put(status_, now, json.dump());
+      viewers_thread_.go([this, now, text = reply.json] {
+        Json json = Json::parse(text);
+        const Viewers::Figures figures = stream_.viewers().figures();
+        json["viewers"] = {{"count", figures.viewers},
+                           {"sent", figures.sent},
+                           {"dropped", figures.dropped},
+                           {"not_shown", stream_.not_shown()}};
+        stream_.viewers().put(status_, now, json.dump());
+      });
     });
   }
   if (executive_.paused() != told_paused_) {
@@ -293,7 +314,7 @@ void Dashboard::set_parameters(const std::vector<StreamParameter>& wanted,
 
 std::string Dashboard::control_playback(const foxglove::PlaybackControl& control) {
   if (control.seek_ns) {
-    const std::string why = seek(*control.seek_ns, std::string(control.request));
+    const std::string why = seek(*control.seek_ns, control.request);
     if (!why.empty()) {
       tell_playback(control.request);
     }
@@ -353,9 +374,13 @@ std::string Dashboard::seek(std::uint64_t unix_ns, const std::string& request) {
 void Dashboard::tell_playback(std::string_view request, bool did_seek) {
   told_paused_ = executive_.paused();
   if (duration_) {
-    stream_.viewers().tell_playback(
-        told_paused_ ? foxglove::PlaybackStatus::paused : foxglove::PlaybackStatus::playing,
-        stream_.unix_ns(executive_.now()), speed_, did_seek, request);
+    const auto status =
+        told_paused_ ? foxglove::PlaybackStatus::paused : foxglove::PlaybackStatus::playing;
+    viewers_thread_.go([&viewers = stream_.viewers(), status,
+                        now = stream_.unix_ns(executive_.now()), speed = speed_, did_seek,
+                        request = std::string(request)] {
+      viewers.tell_playback(status, now, speed, did_seek, request);
+    });
   }
 }
 

@@ -1,6 +1,8 @@
 // A run's page and everybody else who looks on by its stream: joins the stream (hil/stream/) with
 // the desk. Every command of the desk is a service of the stream, what `set` can set are its
 // parameters, what `read` answers a channel, the viewers' transport bar pauses and paces.
+//
+// On the thread of the desk; viewers are on another one (hil/stream/run_stream.h).
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -11,6 +13,7 @@
 
 #include "hil/control/desk.h"
 #include "hil/control/page_files.h"
+#include "hil/executive/crossing.h"
 #include "hil/executive/executive.h"
 #include "hil/rig/rig.h"
 #include "hil/stream/run_stream.h"
@@ -38,6 +41,7 @@ class Dashboard {
 
  private:
   void tick();
+  void offer_commands();
   [[nodiscard]] std::vector<StreamParameter> parameters() const;
   void set_parameters(const std::vector<StreamParameter>& wanted,
                       const StreamParameters::Done& done);
@@ -46,6 +50,8 @@ class Dashboard {
   [[nodiscard]] std::string seek(std::uint64_t unix_ns, const std::string& request);
   void tell_playback(std::string_view request, bool did_seek = false);
 
+  Crossing viewers_thread_;
+  Crossing desk_thread_;  ///< As seen by viewers.
   boost::asio::steady_timer timer_;
   RunStream& stream_;
   Executive& executive_;

@@ -83,6 +83,8 @@ class Desk final : public EventSource {
   Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run);
   ~Desk() override;
 
+  /// Of its thread, that of the executive.
+  [[nodiscard]] boost::asio::io_context& io() { return io_; }
   /// `answer` may be called before this returns.
   void carry_out(const Request& request, Answer answer);
   /// Whose request it is.

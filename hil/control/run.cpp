@@ -20,6 +20,7 @@
 #include "hil/control/dashboard.h"
 #include "hil/control/desk.h"
 #include "hil/control/ready.h"
+#include "hil/executive/background_thread.h"
 #include "hil/files/new_folder.h"
 #include "hil/record/output_file.h"
 #include "hil/record/run_events.h"
@@ -245,6 +246,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   RunLog log(options.log_level);
   OutputFailures failures([&log](const std::string& what) { log.error(what); });
   boost::asio::io_context io;
+  boost::asio::io_context viewers_io;
   Interrupts interrupts(io, log);  // before the first wire is opened, so that none is left behind
   std::optional<Isolated> isolated;
   if (!options.isolated_folder.empty()) {
@@ -264,7 +266,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
       make_recorder(configuration, options, hash, failures, events);
   std::optional<RunStream> stream;
   if (options.dashboard) {
-    stream.emplace(io, streamed_run(wired, fresh_token()));
+    stream.emplace(viewers_io, streamed_run(wired, fresh_token()));
     recorder->pass_on([&stream](const std::string& wire, WireKind kind) -> WireTap& {
       return stream->add_wire(wire, kind);
     });
@@ -322,15 +324,24 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     dashboard->serve(*desk);
   }
   if (options.control) {
-    server.emplace(io, *options.control, token, *desk, dashboard ? &*dashboard : nullptr);
+    const bool has_page = dashboard && options.control->path.empty();
+    server.emplace(has_page ? viewers_io : io, *options.control, token, *desk,
+                   has_page ? &*dashboard : nullptr);
     log.info(options.control->path.empty()
                  ? fmt::format("control at {}, token {}", server->address(), token)
                  : "control at " + server->address());
   }
   if (dashboard) {
     const bool own = !options.control || !options.control->path.empty();
-    page = own ? &page_server.emplace(io, ControlEndpoint{}, token, *desk, &*dashboard) : &*server;
+    page = own ? &page_server.emplace(viewers_io, ControlEndpoint{}, token, *desk, &*dashboard)
+               : &*server;
     log.info("dashboard at " + page->page_address());
+  }
+  std::optional<BackgroundThread> viewers_thread;
+  if (dashboard) {
+    viewers_thread.emplace(viewers_io, [&failures](const std::string& what) {
+      failures.report("the dashboard: " + what);
+    });
   }
   tell_ready(options, *rig, hash, isolated ? &*isolated : nullptr, server ? &*server : nullptr,
              page, token);
@@ -339,6 +350,12 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     desk->end();
     io.restart();
     io.poll();  // the last answers
+  }
+  if (stream) {
+    stream->flush();
+    viewers_thread.reset();
+    viewers_io.restart();
+    viewers_io.poll();
   }
   RunReport report = report_of(*rig, configuration, hash, options, outcome);
   report.truth = rig->truth().stages();

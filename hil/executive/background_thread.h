@@ -1,24 +1,34 @@
 // Work beside the loop, which takes what time the loop leaves.
 #pragma once
 
-#include <sched.h>
-#include <sys/resource.h>
-#include <unistd.h>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <string>
+#include <thread>
 
 namespace rigwire::hil {
 
 /// Makes the calling thread, and threads that it starts, nicer to others than the rest of the
 /// program: on a busy machine its work waits, and wires do not. Real-time priority (`chrt`) is for
 /// the wires alone.
-inline void yield_to_the_loop() {
-  const int policy = ::sched_getscheduler(0) & ~SCHED_RESET_ON_FORK;
-  if (policy == SCHED_FIFO || policy == SCHED_RR) {
-    const sched_param none{};
-    (void)::sched_setscheduler(0, SCHED_OTHER, &none);
-  }
-  constexpr int kNiceness = 10;
-  const auto self = static_cast<id_t>(::gettid());
-  (void)::setpriority(PRIO_PROCESS, self, ::getpriority(PRIO_PROCESS, self) + kNiceness);
-}
+void yield_to_the_loop();
+
+/// Runs an io_context on a thread that yields to the loop, from construction to destruction. What
+/// has been posted by then is done; what comes later stays in the io_context.
+class BackgroundThread {
+ public:
+  /// `failed` is told of an exception that leaves a handler, on that thread, which goes on.
+  BackgroundThread(boost::asio::io_context& io,
+                   std::function<void(const std::string& what)> failed);
+  ~BackgroundThread();
+  BackgroundThread(const BackgroundThread&) = delete;
+  BackgroundThread& operator=(const BackgroundThread&) = delete;
+
+ private:
+  boost::asio::io_context& io_;
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
+  std::thread thread_;
+};
 
 }  // namespace rigwire::hil

@@ -5,16 +5,13 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <chrono>
-#include <condition_variable>
 #include <deque>
 #include <iterator>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 #include <utility>
 
-#include "hil/executive/background_thread.h"
 #include "hil/stream/fix_reader.h"
 #include "hil/stream/identifier_counts.h"
 #include "hil/stream/picture_reader.h"
@@ -35,6 +32,10 @@ using Json = nlohmann::ordered_json;
 constexpr Duration kScenePeriod = std::chrono::milliseconds{200};
 /// Of wall time, between two accounts of a wire.
 constexpr std::chrono::milliseconds kAccountPeriod{200};
+/// Of wall time, between two looks at what has come: with viewers, and without. No multiple of a
+/// millisecond, so that it does not come whenever truth and wires do.
+constexpr std::chrono::microseconds kLookPeriod{7300};
+constexpr std::chrono::milliseconds kIdleLookPeriod{50};
 /// Of wall time, between two datagrams of so many bytes that are told with their fields: nobody
 /// reads more, and the fields of a lidar's 1800 a second would take a core.
 constexpr std::chrono::milliseconds kBulkPeriod{20};
@@ -150,33 +151,32 @@ constexpr const char* kObjectSchema = R"({"type":"object"})";
 
 }  // namespace
 
-/// What the truth tells, until its instant has come on the wires.
+/// What the truth tells, until its instant has come.
 class RunStream::Ahead {
  public:
   /// On the truth's thread, in order of time.
   void tell(SimTime at, std::function<void()> what) {
     const std::scoped_lock lock(mutex_);
     waiting_.emplace_back(at, std::move(what));
-    next_.store(waiting_.front().first, std::memory_order_release);
   }
-  [[nodiscard]] SimTime next() const { return next_.load(std::memory_order_acquire); }
-  void advance(SimTime now) {
-    while (next() <= now) {
-      std::function<void()> what;
-      {
-        const std::scoped_lock lock(mutex_);
-        what = std::move(waiting_.front().second);
+  /// On the thread of the viewers: all up to `now`, in that order.
+  void tell_until(SimTime now) {
+    std::vector<std::function<void()>> due;
+    {
+      const std::scoped_lock lock(mutex_);
+      while (!waiting_.empty() && waiting_.front().first <= now) {
+        due.push_back(std::move(waiting_.front().second));
         waiting_.pop_front();
-        next_.store(waiting_.empty() ? kNever : waiting_.front().first, std::memory_order_release);
       }
-      what();
+    }
+    for (const auto& tell : due) {
+      tell();
     }
   }
 
  private:
   std::mutex mutex_;
   std::deque<std::pair<SimTime, std::function<void()>>> waiting_;
-  std::atomic<SimTime> next_{kNever};
 };
 
 class RunStream::Truth final : public TruthObserver {
@@ -209,10 +209,10 @@ struct RunStream::Piece {
   SimTime at{};
   bool of_client = false;
   std::uint64_t end = 0;  ///< Number of a connection; port of the device that sent a datagram.
-  std::vector<std::uint8_t> bytes;
+  std::span<const std::uint8_t> bytes;
 };
 
-/// What is made of the bytes of one wire, on the decoder's thread.
+/// What is made of the bytes of one wire.
 class RunStream::Wire final : public WireTap {
  public:
   Wire(RunStream& stream, const std::string& name, WireKind kind) : stream_(stream), kind_(kind) {
@@ -257,7 +257,7 @@ class RunStream::Wire final : public WireTap {
   void received(const WirePiece& piece) override;
   void lost(SimTime /*at*/) override {}
 
-  // On the decoder's thread.
+  // On the thread of the viewers.
 
   /// Whether its account is to be told anew.
   [[nodiscard]] bool decode(const Piece& piece);
@@ -301,107 +301,66 @@ class RunStream::Wire final : public WireTap {
   IdentifierCounts identifiers_;
   std::chrono::steady_clock::time_point bulk_told_;
   std::uint64_t left_out_ = 0;  ///< Of these, since the last message.
-  std::mutex mutex_;
-  std::string account_text_;  ///< As it was told last; for who comes later.
 };
 
+/// From the thread of the wires to that of the viewers.
 class RunStream::Decoder {
  public:
-  explicit Decoder(RunStream& stream, boost::asio::io_context& io) : stream_(stream), io_(io) {
-    thread_ = std::thread([this] { work(); });
-  }
-  ~Decoder() {
-    {
-      const std::scoped_lock lock(mutex_);
-      over_ = true;
-    }
-    came_.notify_one();
-    thread_.join();
-    *alive_ = false;
-  }
-  Decoder(const Decoder&) = delete;
-  Decoder& operator=(const Decoder&) = delete;
-
+  /// On the thread of the wires; the bytes are copied.
   void put(Piece piece) {
-    {
-      const std::scoped_lock lock(mutex_);
-      if (bytes_ + piece.bytes.size() > kQueueBytes) {
-        ++not_shown_;
-        return;
-      }
-      bytes_ += piece.bytes.size();
-      queue_.push_back(std::move(piece));
-      if (queue_.size() > 1) {
-        return;
-      }
+    const std::scoped_lock lock(mutex_);
+    if (came_.bytes.size() + piece.bytes.size() > kQueueBytes) {
+      ++not_shown_;
+      return;
     }
-    came_.notify_one();
+    came_.bytes.insert(came_.bytes.end(), piece.bytes.begin(), piece.bytes.end());
+    came_.pieces.push_back(piece);
   }
   [[nodiscard]] std::uint64_t not_shown() const {
     const std::scoped_lock lock(mutex_);
     return not_shown_;
   }
-  /// On its own thread: what is to be sent goes to the thread of the wires.
-  void send(Viewers::ChannelId channel, SimTime at, std::string text) {
-    boost::asio::post(io_, [this, alive = alive_, channel, at, text = std::move(text)] {
-      if (*alive) {
-        stream_.viewers_.put(channel, stream_.unix_ns(at), text);
-      }
-    });
-  }
 
- private:
-  void work() {
-    yield_to_the_loop();
-    std::deque<Piece> taken;
-    std::set<Wire*> untold;  // whose accounts have changed since they were told
-    SimTime last{};
-    while (true) {
-      bool came = true;
-      {
-        std::unique_lock lock(mutex_);
-        const auto ready = [this] { return over_ || !queue_.empty(); };
-        if (untold.empty()) {
-          came_.wait(lock, ready);
-        } else {
-          came = came_.wait_for(lock, kAccountPeriod, ready);
-        }
-        if (over_) {
-          return;
-        }
-        taken.swap(queue_);
-        bytes_ = 0;
+  /// On that of the viewers: all that has come.
+  void decode() {
+    {
+      const std::scoped_lock lock(mutex_);
+      std::swap(came_, taken_);
+    }
+    std::size_t from = 0;
+    for (Piece& piece : taken_.pieces) {
+      piece.bytes = std::span(taken_.bytes).subspan(from, piece.bytes.size());
+      from += piece.bytes.size();
+      if (piece.wire->decode(piece)) {
+        untold_.insert(piece.wire);
       }
-      for (const Piece& piece : taken) {
-        if (piece.wire->decode(piece)) {
-          untold.insert(piece.wire);
-        }
-        last = piece.at;
-      }
-      taken.clear();
-      if (const auto now = std::chrono::steady_clock::now();
-          !came || now >= accounts_told_ + kAccountPeriod) {
-        accounts_told_ = now;
-        for (Wire* const wire : untold) {
-          wire->tell_account(last);
-        }
-        untold.clear();
+      last_ = piece.at;
+    }
+    taken_.pieces.clear();
+    taken_.bytes.clear();
+    if (const auto now = std::chrono::steady_clock::now(); now >= accounts_told_ + kAccountPeriod) {
+      accounts_told_ = now;
+      for (Wire* const wire : std::exchange(untold_, {})) {
+        wire->tell_account(last_);
       }
     }
   }
 
-  RunStream& stream_;
-  boost::asio::io_context& io_;
-  /// On the thread of the wires, as the handlers that look at it.
-  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+ private:
+  /// Pieces whose bytes stand one behind the other.
+  struct Queue {
+    std::vector<Piece> pieces;
+    std::vector<std::uint8_t> bytes;
+  };
+
   mutable std::mutex mutex_;
-  std::condition_variable came_;
-  std::deque<Piece> queue_;
-  std::size_t bytes_ = 0;
+  Queue came_;
   std::uint64_t not_shown_ = 0;
-  bool over_ = false;
+  // On the thread of the viewers.
+  Queue taken_;
+  std::set<Wire*> untold_;  ///< Whose accounts have changed since they were told.
   std::chrono::steady_clock::time_point accounts_told_;
-  std::thread thread_;
+  SimTime last_{};
 };
 
 void RunStream::Wire::hear(SimTime at, bool of_client, const WirePiece& piece) {
@@ -419,12 +378,16 @@ void RunStream::Wire::hear(SimTime at, bool of_client, const WirePiece& piece) {
             end = kind.device.port;
           }
           if (!kind.bytes.empty()) {
-            stream_.decoder_->put(
-                {this, at, of_client, end, {kind.bytes.begin(), kind.bytes.end()}});
+            stream_.decoder_->put({this, at, of_client, end, kind.bytes});
           }
         } else if constexpr (std::is_same_v<Kind, protocols::can::Frame>) {
           const std::string text = protocols::can::frame_text(kind);
-          stream_.decoder_->put({this, at, of_client, 0, {text.begin(), text.end()}});
+          stream_.decoder_->put(
+              {this,
+               at,
+               of_client,
+               0,
+               {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}});
         }
       },
       piece);
@@ -438,8 +401,8 @@ void RunStream::Wire::received(const WirePiece& piece) {
 }
 
 bool RunStream::Wire::decode(const Piece& piece) {
-  const auto send = [&](const std::optional<Viewers::ChannelId>& channel, std::string text) {
-    stream_.decoder_->send(*channel, piece.at, std::move(text));
+  const auto send = [&](const std::optional<Viewers::ChannelId>& channel, const std::string& text) {
+    stream_.viewers_.put(*channel, stream_.unix_ns(piece.at), text);
   };
   const auto wanted = [&](const std::optional<Viewers::ChannelId>& channel) {
     return channel && !piece.of_client && stream_.viewers_.wanted(*channel);
@@ -498,8 +461,8 @@ void RunStream::Wire::decode_message(const Piece& piece) {
     if (left_out_ != 0) {
       message["left_out"] = std::exchange(left_out_, 0);
     }
-    stream_.decoder_->send(*messages_, piece.at,
-                           message.dump(-1, ' ', false, Json::error_handler_t::replace));
+    stream_.viewers_.put(*messages_, stream_.unix_ns(piece.at),
+                         message.dump(-1, ' ', false, Json::error_handler_t::replace));
   };
   if (kind_ == WireKind::can) {
     const auto frame =
@@ -542,28 +505,21 @@ bool RunStream::Wire::is_to_be_told(const Piece& piece) {
 }
 
 void RunStream::Wire::add_account(StreamChannel channel) {
-  account_text_ = account();
-  channel.first = [this] {
-    const std::scoped_lock lock(mutex_);
-    return account_text_;
-  };
+  channel.first = [this] { return account(); };
   account_ = stream_.viewers_.add(std::move(channel));
 }
 
 void RunStream::Wire::tell_account(SimTime at) {
-  const std::string text = account();
-  {
-    const std::scoped_lock lock(mutex_);
-    account_text_ = text;
-  }
-  stream_.decoder_->send(*account_, at, text);
+  stream_.viewers_.put(*account_, stream_.unix_ns(at), account());
 }
 
 RunStream::RunStream(boost::asio::io_context& io, StreamedRun run)
-    : run_(std::move(run)),
+    : io_(io),
+      run_(std::move(run)),
       viewers_(run_.name, run_.session),
       ahead_(std::make_unique<Ahead>()),
-      decoder_(std::make_unique<Decoder>(*this, io)) {
+      decoder_(std::make_unique<Decoder>()),
+      timer_(io) {
   const auto rows = channel_rows();
   for (const TruthTrack track : {TruthTrack::truth, TruthTrack::transforms, TruthTrack::location,
                                  TruthTrack::events, TruthTrack::motion, TruthTrack::joints}) {
@@ -578,6 +534,7 @@ RunStream::RunStream(boost::asio::io_context& io, StreamedRun run)
   viewers_.add({"/sensors", "json", "rigwire.Sensors", kObjectSchema, 1,
                 [text = sensors_message(run_.sensors)] { return text; }});
   viewers_.on_asset([this](std::string_view uri) { return scene_ ? scene_->asset(uri) : nullptr; });
+  look();
 }
 
 RunStream::~RunStream() = default;
@@ -612,9 +569,10 @@ std::unique_ptr<WorldSensor> RunStream::world_view(const sim::Scene& scene, std:
 void RunStream::tell(const RunEvent& event) {
   const Viewers::ChannelId channel = tracks_[static_cast<std::size_t>(TruthTrack::events)];
   if (viewers_.wanted(channel)) {
-    decoder_->send(channel, event.at,
-                   log_message(run_.start_unix_ns, event.at, event.level,
-                               kEventKinds[static_cast<std::size_t>(event.kind)], event.text));
+    boost::asio::post(io_, [this, channel, at = unix_ns(event.at),
+                            text = log_message(run_.start_unix_ns, event.at, event.level,
+                                               kEventKinds[static_cast<std::size_t>(event.kind)],
+                                               event.text)] { viewers_.put(channel, at, text); });
   }
 }
 
@@ -622,12 +580,23 @@ std::uint64_t RunStream::not_shown() const {
   return decoder_->not_shown();
 }
 
-SimTime RunStream::next_event() const {
-  return ahead_->next();
+void RunStream::flush() {
+  boost::asio::post(io_, [this] { look(); });
 }
 
-void RunStream::advance(SimTime now) {
-  ahead_->advance(now);
+void RunStream::look() {
+  ahead_->tell_until(now_());
+  decoder_->decode();
+  if (viewers_.figures().viewers != 0) {
+    timer_.expires_after(kLookPeriod);
+  } else {
+    timer_.expires_after(kIdleLookPeriod);
+  }
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) {
+      look();
+    }
+  });
 }
 
 }  // namespace rigwire::hil

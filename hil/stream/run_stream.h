@@ -24,14 +24,15 @@
 //   /registers/NAME                       rigwire.Registers: what is known of those of a Modbus
 //                                         line (hil/stream/modbus_reader.h)
 //
-// Threads. The truth is told ahead of the wires and waits for its instant. Point clouds and
-// messages of wires are decoded by a thread of the stream's own, which is nicer than the run: the
-// thread of the wires copies bytes into a bounded queue and nothing more. What finds no room there
-// is not shown, and counted.
+// Threads. Viewers, and all that is made for them, are on the thread of the stream's io_context,
+// which may be nicer than the run. It looks from time to time at what the others have put down, and
+// none of them wakes it: of the truth, told ahead of the wires, what has had its instant; of wires
+// copies of their bytes, in a bounded queue. What finds no room there is not shown, and counted.
 #pragma once
 
 #include <atomic>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -40,7 +41,6 @@
 #include <string>
 #include <vector>
 
-#include "hil/executive/event_source.h"
 #include "hil/record/lidar_clouds.h"
 #include "hil/record/run_events.h"
 #include "hil/record/truth_messages.h"
@@ -81,14 +81,18 @@ struct StreamedRun {
   std::vector<ShownSensor> sensors;
 };
 
-class RunStream final : public EventSource {
+class RunStream {
  public:
   /// Of what passes, waiting to be decoded.
   static constexpr std::size_t kQueueBytes = 8 * 1024 * 1024;
 
+  /// `io`: of the viewers. It must not run until the rig is made, nor when the stream is destroyed.
   RunStream(boost::asio::io_context& io, StreamedRun run);
-  ~RunStream() override;
+  ~RunStream();
+  RunStream(const RunStream&) = delete;
+  RunStream& operator=(const RunStream&) = delete;
 
+  [[nodiscard]] boost::asio::io_context& io() { return io_; }
   [[nodiscard]] Viewers& viewers() { return viewers_; }
   [[nodiscard]] std::uint64_t unix_ns(SimTime at) const {
     return static_cast<std::uint64_t>(run_.start_unix_ns + at.time_since_epoch().count());
@@ -107,18 +111,15 @@ class RunStream final : public EventSource {
   /// `links`: of the machine.
   [[nodiscard]] std::unique_ptr<WorldSensor> world_view(const sim::Scene& scene, std::size_t links);
 
-  /// Present simulated time, for what clients send; asked on the thread of the wires.
+  /// Present simulated time; asked on any thread.
   void follow(std::function<SimTime()> now) { now_ = std::move(now); }
 
   /// From any thread.
   void tell(const RunEvent& event);
+  /// Also what has come last goes to the viewers; from any thread.
+  void flush();
   /// Not shown because its queue was full.
   [[nodiscard]] std::uint64_t not_shown() const;
-
-  [[nodiscard]] SimTime next_event() const override;
-  [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
-  /// What was told ahead up to `now` is sent.
-  void advance(SimTime now) override;
 
  private:
   class Ahead;
@@ -127,6 +128,9 @@ class RunStream final : public EventSource {
   struct Piece;
   class Decoder;
 
+  void look();
+
+  boost::asio::io_context& io_;
   StreamedRun run_;
   Viewers viewers_;
   std::function<SimTime()> now_ = [] { return kStart; };
@@ -138,6 +142,7 @@ class RunStream final : public EventSource {
   AirView air_;
   std::vector<std::unique_ptr<Wire>> wires_;
   std::unique_ptr<Decoder> decoder_;
+  boost::asio::steady_timer timer_;
 };
 
 }  // namespace rigwire::hil

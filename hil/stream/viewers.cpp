@@ -300,16 +300,19 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
   bool receive_of_parameters(const std::string& op, const Json& json) {
     if (op == "getParameters") {
       names(json, [&](const std::vector<std::string>& asked) {
-        answer_parameters(asked.empty() ? all_->parameters_->all() : parameters(asked),
-                          request_id(json));
+        read_parameters(asked, [id = request_id(json)](Viewer& self, const auto& parameters) {
+          self.answer_parameters(parameters, id);
+        });
       });
     } else if (op == "setParameters") {
       set_parameters(json);
     } else if (op == "subscribeParameterUpdates") {
       names(json, [this](const std::vector<std::string>& asked) {
-        for (StreamParameter& one : asked.empty() ? all_->parameters_->all() : parameters(asked)) {
-          followed_.try_emplace(std::move(one.name), std::move(one.json));
-        }
+        read_parameters(asked, [](Viewer& self, const auto& parameters) {
+          for (const StreamParameter& one : parameters) {
+            self.followed_.try_emplace(one.name, one.json);
+          }
+        });
       });
     } else if (op == "unsubscribeParameterUpdates") {
       names(json, [this](const std::vector<std::string>& asked) {
@@ -350,18 +353,30 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
                                                      : std::nullopt;
   }
 
-  /// Those of these names; complains of what there is not.
-  std::vector<StreamParameter> parameters(const std::vector<std::string>& names) {
-    std::vector<StreamParameter> known = all_->parameters_->all();
-    for (const std::string& name : names) {
-      if (std::ranges::count(known, name, &StreamParameter::name) == 0) {
-        complain("there is no parameter " + name);
-      }
-    }
-    std::erase_if(known, [&](const StreamParameter& one) {
-      return std::ranges::count(names, one.name) == 0;
-    });
-    return known;
+  /// use(this, those of these names, of no names all), once they are known; complains of what there
+  /// is not.
+  template <class Use>
+  void read_parameters(const std::vector<std::string>& names, const Use& use) {
+    all_->parameters_->read(
+        [viewer = weak_from_this(), names, use](const std::vector<StreamParameter>& all) {
+          const auto self = viewer.lock();
+          if (!self) {
+            return;
+          }
+          for (const std::string& name : names) {
+            if (std::ranges::count(all, name, &StreamParameter::name) == 0) {
+              self->complain("there is no parameter " + name);
+            }
+          }
+          use(*self, names.empty() ? all : named(all, names));
+        });
+  }
+
+  static std::vector<StreamParameter> named(std::vector<StreamParameter> all,
+                                            const std::vector<std::string>& names) {
+    std::erase_if(
+        all, [&](const StreamParameter& one) { return std::ranges::count(names, one.name) == 0; });
+    return all;
   }
 
   void answer_parameters(const std::vector<StreamParameter>& parameters,
@@ -420,11 +435,11 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
           self->complain(why);
         }
         if (id) {
-          std::vector<StreamParameter> now = self->all_->parameters_->all();
-          std::erase_if(now, [&](const StreamParameter& one) {
-            return std::ranges::count(asked, one.name) == 0;
+          self->all_->parameters_->read([viewer, asked, id](const auto& all) {
+            if (const auto answering = viewer.lock()) {
+              answering->answer_parameters(named(all, asked), id);
+            }
           });
-          self->answer_parameters(now, id);
         }
       }
     });
@@ -438,10 +453,15 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
     } else if (const auto* request = std::get_if<foxglove::ServiceRequest>(&*frame)) {
       call(*request);
     } else if (const auto* control = std::get_if<foxglove::PlaybackControl>(&*frame)) {
-      if (const std::string why =
-              all_->playback_ ? all_->playback_(*control) : "this run has no transport bar";
-          !why.empty()) {
-        complain(why);
+      const auto done = [viewer = weak_from_this()](const std::string& why) {
+        if (const auto self = viewer.lock(); self && !why.empty()) {
+          self->complain(why);
+        }
+      };
+      if (all_->playback_) {
+        all_->playback_(*control, done);
+      } else {
+        done("this run has no transport bar");
       }
     }
   }
@@ -550,10 +570,11 @@ void Viewers::tick(std::uint64_t time_ns) {
 void Viewers::tell_parameters() {
   const auto follow = [](const auto& viewer) { return viewer->follows_parameters(); };
   if (parameters_ && std::ranges::any_of(viewers_, follow)) {
-    const std::vector<StreamParameter> now = parameters_->all();
-    for (const auto& viewer : std::vector(viewers_)) {
-      viewer->tell_parameters(now);
-    }
+    parameters_->read([this](const std::vector<StreamParameter>& now) {
+      for (const auto& viewer : std::vector(viewers_)) {
+        viewer->tell_parameters(now);
+      }
+    });
   }
 }
 

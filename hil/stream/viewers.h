@@ -7,7 +7,7 @@
 // kMostBytes. Answers are not dropped: a viewer that asks more than it reads loses its connection.
 // Nothing waits for a viewer.
 //
-// On the thread that runs the executive, but for wanted().
+// On one thread, but for wanted(); who is asked for something may answer later.
 //
 // Source: foxglove/ws-protocol, docs/spec.md; protocols/foxglove/frames.h has its binary frames.
 #pragma once
@@ -53,8 +53,9 @@ struct StreamParameter {
   std::string json;  ///< Its value; empty: it has none at present.
 };
 struct StreamParameters {
-  /// All there are.
-  std::function<std::vector<StreamParameter>()> all;
+  using Told = std::function<void(const std::vector<StreamParameter>& all)>;
+  /// `told` is called once, now or later, with all there are.
+  std::function<void(Told told)> read;
   /// `done` is called once, now or later, with a sentence for each thing that was refused.
   using Done = std::function<void(const std::vector<std::string>& refused)>;
   std::function<void(const std::vector<StreamParameter>& wanted, Done done)> set;
@@ -82,8 +83,10 @@ class Viewers {
   using Assets = std::function<std::shared_ptr<const std::string>(std::string_view uri)>;
   void on_asset(Assets assets) { assets_ = std::move(assets); }
   void offer(StreamParameters parameters) { parameters_ = std::move(parameters); }
-  /// Of a viewer's transport bar; why not all of it is done, empty when it is.
-  using Playback = std::function<std::string(const protocols::foxglove::PlaybackControl& control)>;
+  /// Of a viewer's transport bar; `done` is called once, now or later, with why not all of it is
+  /// done, empty when it is.
+  using Playback = std::function<void(const protocols::foxglove::PlaybackControl& control,
+                                      std::function<void(const std::string& why)> done)>;
   void on_playback(Playback playback) { playback_ = std::move(playback); }
   /// From when to when the transport bar goes.
   void set_range(std::uint64_t begin_ns, std::uint64_t end_ns) { range_ = {begin_ns, end_ns}; }

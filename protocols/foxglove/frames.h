@@ -57,7 +57,7 @@ struct PlaybackControl {
   bool plays = false;  ///< Else it pauses.
   float speed = 1.0F;
   std::optional<std::uint64_t> seek_ns;
-  std::string_view request;  ///< To be in the answering state.
+  std::string request;  ///< To be in the answering state.
 };
 using ClientFrame = std::variant<ServiceRequest, PlaybackControl>;
 

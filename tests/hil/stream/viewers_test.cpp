@@ -217,22 +217,21 @@ TEST_F(ViewersTest, WhoLeavesIsWaitedForNoMore) {
 class ParametersTest : public ViewersTest {
  protected:
   ParametersTest() {
-    viewers_.offer(
-        {[this] {
-           return std::vector<StreamParameter>{{"even", std::to_string(even_)}, {"unset", ""}};
-         },
-         [this](const auto& wanted, const auto& done) {
-           std::vector<std::string> refused;
-           for (const StreamParameter& one : wanted) {
-             const int value = one.json.empty() ? 1 : std::stoi(one.json);
-             if (one.name == "even" && value % 2 == 0) {
-               even_ = value;
-             } else {
-               refused.push_back(one.name + " takes no " + one.json);
-             }
-           }
-           done(refused);
-         }});
+    viewers_.offer({[this](const auto& told) {
+                      told({{"even", std::to_string(even_)}, {"unset", ""}});
+                    },
+                    [this](const auto& wanted, const auto& done) {
+                      std::vector<std::string> refused;
+                      for (const StreamParameter& one : wanted) {
+                        const int value = one.json.empty() ? 1 : std::stoi(one.json);
+                        if (one.name == "even" && value % 2 == 0) {
+                          even_ = value;
+                        } else {
+                          refused.push_back(one.name + " takes no " + one.json);
+                        }
+                      }
+                      done(refused);
+                    }});
     open();
     take();
   }

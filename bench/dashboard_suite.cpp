@@ -35,7 +35,7 @@ struct LookedAt {
 /// One with a lidar of 694 444 shots a second, one with six, which are five million: at half of
 /// real time two processors keep up with them.
 constexpr std::array<LookedAt, 2> kRigs{{{"excavator_pit", "real"}, {"lidar_park", "scaled:0.5"}}};
-constexpr int kRounds = 2;
+constexpr int kRounds = 3;
 constexpr std::chrono::seconds kWindow{8};
 /// Before a window, so that start-up is not in it.
 constexpr std::chrono::seconds kSettle{2};
@@ -67,6 +67,7 @@ struct Way {
   double core = std::numeric_limits<double>::infinity();  ///< CPU time per simulated second.
   double p50_us = std::numeric_limits<double>::infinity();
   double p99_us = std::numeric_limits<double>::infinity();
+  double p99_most_us = 0.0;  ///< Of the rounds the greatest: how far chance takes it.
   double picture_s = std::numeric_limits<double>::infinity();
   // Of the last round.
   double pace = 0.0;  ///< Simulated time per wall time.
@@ -156,7 +157,9 @@ void measure(const LookedAt& looked_at, Way& way) {
   }
   const nlohmann::json report = run.end();
   way.p50_us = std::min(way.p50_us, lateness_us(report, "p50"));
-  way.p99_us = std::min(way.p99_us, lateness_us(report, "p99"));
+  const double p99_us = lateness_us(report, "p99");
+  way.p99_us = std::min(way.p99_us, p99_us);
+  way.p99_most_us = std::max(way.p99_most_us, p99_us);
 }
 
 nlohmann::json measure_memory(std::ostream& text, const char* rig, const Way& way) {
@@ -198,6 +201,7 @@ nlohmann::json measure_rig(std::ostream& text, const LookedAt& looked_at) {
                            {"pace", ">8"},
                            {"p50 us", ">10"},
                            {"p99 us", ">10"},
+                           {"to", ">8"},
                            {"picture s", ">10"},
                            {"MB/s", ">8"},
                            {"dropped", ">8"},
@@ -210,6 +214,7 @@ nlohmann::json measure_rig(std::ostream& text, const LookedAt& looked_at) {
          number("more_core", way.core - ways.front().core, "{:.3f}"),
          number("pace", way.pace, "{:.3f}"), number("lateness_p50_us", way.p50_us, "{:.0f}"),
          number("lateness_p99_us", way.p99_us, "{:.0f}"),
+         number("lateness_p99_most_us", way.p99_most_us, "{:.0f}"),
          way.wants ? number("first_picture_s", way.picture_s, "{:.2f}")
                    : cell("first_picture_s", nullptr, "-"),
          number("mb_per_s", way.mb_per_s, "{:.2f}"), count("dropped", way.dropped),

@@ -355,7 +355,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     stream->flush();
     viewers_thread.reset();
     viewers_io.restart();
-    viewers_io.poll();
+    viewers_io.poll();  // likewise
   }
   RunReport report = report_of(*rig, configuration, hash, options, outcome);
   report.truth = rig->truth().stages();

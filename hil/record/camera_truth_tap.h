@@ -15,8 +15,8 @@
 // What is true is that of each pixel of the picture's first part, at the middle of that pixel's
 // exposure. 12 is the number of the exposure, counted from 0 for each camera; those that were
 // skipped are missing. A client finds its picture by the time stamp, `sim_s` since power-on: block
-// numbers begin anew with each client, and a picture that reached its camera need not reach a
-// client.
+// numbers begin anew with each client, and a picture that was made need not reach a client, as the
+// last of a run whose end comes before its time on the wire.
 //
 // labels.json: {"rigwire_camera_truth": 1, "start_utc", "labels": ["", …], "instances":
 // [null, {"name", "label"}, …]}. A line: {"exposure", "sim_s", "utc", "exposure_us", "gain_db",

@@ -154,7 +154,9 @@ TEST_F(CameraTruth, of_pictures_that_a_paced_run_skips_is_not_there) {
   ASSERT_FALSE(run(2s, {}, true).fault);
   ASSERT_GT(counted.at("skipped_pictures"), 0U);
   const std::vector<json> pictures = lines();
-  EXPECT_EQ(pictures.size(), counted.at("pictures"));
+  // The truth goes ahead of the wires: the last picture may be for after the end of the run.
+  EXPECT_GE(pictures.size(), counted.at("pictures"));
+  EXPECT_LE(pictures.size(), counted.at("pictures") + 1);
   std::set<std::uint64_t> exposures;
   for (const json& line : pictures) {
     exposures.insert(line["exposure"].get<std::uint64_t>());

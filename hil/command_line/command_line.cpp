@@ -159,6 +159,7 @@ struct Parsed {
   std::string isolated;
   std::optional<std::string> overrun;
   std::optional<std::string> overrun_limit;
+  bool awake = false;
   std::optional<std::string> patience;
   std::optional<int> ready_fd;
   std::vector<std::string> request;
@@ -218,6 +219,9 @@ void declare(CLI::App& app, Parsed& parsed) {
       ->add_option("--overrun-limit", parsed.overrun_limit,
                    "How far behind that is: 100 ms, the default, or another time")
       ->needs(overrun);
+  run_app->add_flag("--awake", parsed.awake,
+                    "Keep processors from sleeping, so that wires are served at once; with the\n"
+                    "clocks real and scaled:X");
   run_app->add_option("--duration", parsed.duration, "Simulated time, for example 20s or 5min");
   run_app->add_option("--seed", parsed.seed, "Of every random stream; same as --set seed=N");
   run_app->add_option("--report", parsed.report,
@@ -625,6 +629,13 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
   if (const auto refused = read_overrun(parsed, options, terminal)) {
     return *refused;
   }
+  if (parsed.awake && !clock->paced()) {
+    return usage(fmt::format("--awake: the clock {} waits for no instant, allowed with real and "
+                             "scaled:X",
+                             to_string(*clock)),
+                 terminal.err, "run");
+  }
+  options.awake = parsed.awake;
   options.isolated_folder = parsed.isolated;
   if (!parsed.isolated.empty()) {
     const std::string folder = std::filesystem::absolute(parsed.isolated).string();

@@ -39,7 +39,7 @@ _rigwire() {
       fi ;;
   esac
   case $verb in
-    run) local options="--clock --patience --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --dashboard --isolated --ready-fd --dry-run --help" ;;
+    run) local options="--clock --patience --overrun --overrun-limit --awake --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --dashboard --isolated --ready-fd --dry-run --help" ;;
     picture) local options="--device --at --layer --raw --travel --set --output --help" ;;
     check) local options="--set --log-level --print --json --help" ;;
     list) local options="devices machines scenes rigs campaigns faults keys --json --help" ;;
@@ -101,7 +101,7 @@ _rigwire() {
     --record|--camera-truth|--isolated|--captures) _files -/; return ;;
   esac
   case $words[2] in
-    run) compadd -- --clock --patience --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --dashboard --isolated --ready-fd --dry-run --help ;;
+    run) compadd -- --clock --patience --overrun --overrun-limit --awake --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --dashboard --isolated --ready-fd --dry-run --help ;;
     picture) compadd -- --device --at --layer --raw --travel --set --output --help ;;
     check) compadd -- --set --log-level --print --json --help ;;
     list) compadd -- devices machines scenes rigs campaigns faults keys --json --help ;;

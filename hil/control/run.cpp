@@ -20,6 +20,7 @@
 #include "hil/control/dashboard.h"
 #include "hil/control/desk.h"
 #include "hil/control/ready.h"
+#include "hil/executive/awake_processors.h"
 #include "hil/executive/background_thread.h"
 #include "hil/files/new_folder.h"
 #include "hil/record/output_file.h"
@@ -131,7 +132,8 @@ RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOpt
 
 /// But for the stages of the truth, which may be at work.
 RunReport report_of(Rig& rig, const RigConfiguration& configuration, const std::string& hash,
-                    const RunOptions& options, const RunOutcome& outcome) {
+                    const RunOptions& options, const RunOutcome& outcome,
+                    const AwakeProcessors* awake) {
   RunReport report;
   report.rig = configuration.name;
   report.seed = configuration.seed;
@@ -139,7 +141,7 @@ RunReport report_of(Rig& rig, const RigConfiguration& configuration, const std::
   report.clock = options.clock;
   report.overrun = options.overrun;
   report.outcome = outcome;
-  report.cpu_s = process_cpu_seconds();
+  report.cpu_s = process_cpu_seconds() - (awake != nullptr ? awake->cpu_seconds() : 0.0);
   report.peak_rss_mb = peak_resident_megabytes();
   report.wire = rig.executive().wire_stages();
   report.devices = rig.device_reports();
@@ -248,6 +250,11 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   boost::asio::io_context io;
   boost::asio::io_context viewers_io;
   Interrupts interrupts(io, log);  // before the first wire is opened, so that none is left behind
+  std::optional<AwakeProcessors> awake;
+  if (options.awake) {
+    awake.emplace();
+  }
+  const AwakeProcessors* const kept_awake = awake ? &*awake : nullptr;
   std::optional<Isolated> isolated;
   if (!options.isolated_folder.empty()) {
     isolated.emplace(configuration, options);
@@ -309,16 +316,17 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   const ControlServer* page = nullptr;
   const std::string token = options.control_token.empty() ? fresh_token() : options.control_token;
   if (options.control || dashboard) {
-    desk.emplace(io, rig->executive(),
-                 GovernedRun{configuration.name, configuration.seed, hash, options.clock,
-                             rig->truth().state_quantities(), [&rig] { return rig->status(); },
-                             rig->faults(),
-                             [&rig, &configuration, &hash, &options] {
-                               return to_prometheus(report_of(*rig, configuration, hash, options,
-                                                              rig->executive().outcome()));
-                             },
-                             &events, recorder.get(), &rig->hand(), &rig->settings(),
-                             isolated ? isolated->folder : std::filesystem::current_path()});
+    desk.emplace(
+        io, rig->executive(),
+        GovernedRun{configuration.name, configuration.seed, hash, options.clock,
+                    rig->truth().state_quantities(), [&rig] { return rig->status(); },
+                    rig->faults(),
+                    [&rig, &configuration, &hash, &options, kept_awake] {
+                      return to_prometheus(report_of(*rig, configuration, hash, options,
+                                                     rig->executive().outcome(), kept_awake));
+                    },
+                    &events, recorder.get(), &rig->hand(), &rig->settings(),
+                    isolated ? isolated->folder : std::filesystem::current_path()});
   }
   if (dashboard) {
     dashboard->serve(*desk);
@@ -357,7 +365,8 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     viewers_io.restart();
     viewers_io.poll();  // likewise
   }
-  RunReport report = report_of(*rig, configuration, hash, options, outcome);
+  RunReport report = report_of(*rig, configuration, hash, options, outcome, kept_awake);
+  awake.reset();
   report.truth = rig->truth().stages();
   interrupts.govern(nullptr);
   log.inform({});

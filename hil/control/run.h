@@ -54,6 +54,7 @@ struct RunOptions {
   ClockMode clock;
   OverrunPolicy overrun = OverrunPolicy::slip;  ///< With a clock that follows the wall's.
   Duration overrun_limit = std::chrono::milliseconds{100};
+  bool awake = false;  ///< Likewise: processors do not sleep (hil/executive/awake_processors.h).
   /// With the clock that waits for clients: wall time, each time.
   std::chrono::nanoseconds patience = std::chrono::seconds{1};
   std::optional<Duration> duration;  ///< Simulated time; without it until a signal.

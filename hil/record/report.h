@@ -32,7 +32,8 @@ struct RunReport {
   ClockMode clock;
   OverrunPolicy overrun = OverrunPolicy::slip;
   RunOutcome outcome;
-  double cpu_s = 0.0;        ///< User and system time of the whole process.
+  /// User and system time of the process, but for what keeps processors awake.
+  double cpu_s = 0.0;
   double peak_rss_mb = 0.0;  ///< Of the whole process, 1e6 bytes.
   TruthStages truth;
   WireStages wire;

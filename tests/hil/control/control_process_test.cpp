@@ -195,6 +195,23 @@ TEST_F(ControlProcess, AnOverrunPolicyThatCouldNotActIsRefused) {
   EXPECT_NE(program(run({"--overrun-limit", "1 s"})).code, 0);
 }
 
+TEST_F(ControlProcess, ProcessorsAreKeptAwakeOnlyForAClockWithInstants) {
+  for (const char* clock : {"free", "step", "drained"}) {
+    const Done done = program(run({"--clock", clock, "--awake"}));
+    EXPECT_EQ(done.code, 2) << clock;
+    EXPECT_THAT(done.output, HasSubstr("--awake: the clock " + std::string(clock))) << clock;
+  }
+}
+
+TEST_F(ControlProcess, WhatKeepsProcessorsAwakeIsNotInTheReportedTime) {
+  const Done done =
+      program(run({"--awake", "--duration", "2s", "--report", (folder_ / "report.json").string()}));
+  ASSERT_EQ(done.code, 0) << done.output;
+  std::ifstream file(folder_ / "report.json");
+  // A processor alone would be 2 s, whatever else goes on.
+  EXPECT_LT(Json::parse(file)["cpu_s"].get<double>(), 1.5);
+}
+
 TEST_F(ControlProcess, IsolatedRunsOfOneRigStandSideBySideAndSendItsBytes) {
   const auto hash = [](const fs::path& report) {
     std::ifstream file(report);

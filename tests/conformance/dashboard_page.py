@@ -56,11 +56,11 @@ def answers(port):
 class Rig:
     """The excavator digs nowhere: it stands, and does what it is told by hand."""
 
-    def __init__(self, name="excavator_pit", folder="run", options=()):
+    def __init__(self, name="excavator_pit", folder="run", options=(), duration="20min"):
         self.folder = scratch / folder
         self.process = subprocess.Popen(
             [binaries / "rigwire", "run", name, "--isolated", self.folder, "--dashboard",
-             "--status", "none", "--duration", "20min", *options], stderr=open(scratch / f"{folder}.log", "w"))
+             "--status", "none", "--duration", duration, *options], stderr=open(scratch / f"{folder}.log", "w"))
         eventually("the run is ready", (self.folder / "run.json").exists)
         eventually("all of it is told", lambda: (self.folder / "run.json").read_text().endswith("\n"))
         self.told = json.loads((self.folder / "run.json").read_text())
@@ -767,6 +767,23 @@ def a_transport_bar_seeks_forward_where_time_steps(rig, browser):
     assert "follows the wall clock" in viewer.until(complaint)
 
 
+def a_viewer_at_the_end_has_the_last_of_it(rig, browser):
+    ended = Rig(folder="ended", duration="3s")
+    try:
+        viewer = Viewer(ended)
+        channels = viewer.until(lambda is_text, data: is_text and json.loads(data).get("channels"))
+        truth = next(channel["id"] for channel in channels if channel["topic"] == "/truth")
+        viewer.send({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": truth}]})
+        last_s = 0.0
+        while viewer.socket.recv(1, socket.MSG_PEEK):
+            is_text, data = viewer.receive()
+            if not is_text and data[0] == 1:  # a message: subscription, time stamp, what it says
+                last_s = json.loads(data[13:])["sim_s"]
+        assert last_s == 3.0, f"the last that was heard is of {last_s} s"
+    finally:
+        ended.end()
+
+
 def metrics_are_as_prometheus_wants_them(rig, browser):
     status, text, _ = rig.request("/metrics", headers={"Authorization": f"Bearer {rig.token}"})
     assert status == 200 and "rigwire" in text
@@ -814,6 +831,7 @@ GROUPS = {
     "looks": [nothing_is_complained_of, nothing_is_clipped, light_and_dark_can_both_be_read,
               keys_reach_everything],
     "lasting": [nothing_is_complained_of, a_transport_bar_seeks_forward_where_time_steps,
+                a_viewer_at_the_end_has_the_last_of_it,
                 metrics_are_as_prometheus_wants_them, foxgloves_own_client_hears_it,
                 a_page_that_is_left_open_keeps_its_size],
 }

@@ -273,6 +273,7 @@ export class View {
     const places = points.geometry.attributes.position.array;
     const colours = points.geometry.attributes.color.array;
     const by = this.colourChoice.value;
+    const turn_s = count > 0 ? data.getFloat32((count - 1) * stride + offset.time, true) : 0;
     for (let i = 0; i < count; ++i) {
       const at = i * stride;
       const x = data.getFloat32(at + offset.x, true);
@@ -286,7 +287,9 @@ export class View {
           ? data.getUint8(at + offset.reflectivity) / 100
           : by === "laser"
             ? (data.getUint8(at + offset.laser) % RINGS) / RINGS
-            : Math.hypot(x, y, z) / FARTHEST_RANGE_M;
+            : by === "time"
+              ? data.getFloat32(at + offset.time, true) / turn_s
+              : Math.hypot(x, y, z) / FARTHEST_RANGE_M;
       rainbow(share, colours, 3 * i);
     }
     points.geometry.attributes.position.needsUpdate = true;

@@ -18,23 +18,28 @@ namespace {
 namespace foxglove = protocols::foxglove;
 namespace velodyne = protocols::velodyne;
 
-// A point as it lies in `data`, little-endian: x, y, z in m, reflectivity, laser.
+// A point as it lies in `data`, little-endian: x, y, z in m, time in s, reflectivity, laser.
 constexpr std::size_t kPointSize = 3 * 4  // x, y, z
+                                   + 4    // time
                                    + 1    // reflectivity
                                    + 1;   // laser
-constexpr std::array<foxglove::PackedField, 5> kFields{
+constexpr std::array<foxglove::PackedField, 6> kFields{
     {{"x", 0, foxglove::NumericType::float32},
      {"y", 4, foxglove::NumericType::float32},
      {"z", 8, foxglove::NumericType::float32},
-     {"reflectivity", 12, foxglove::NumericType::uint8},
-     {"laser", 13, foxglove::NumericType::uint8}}};
+     {"time", 12, foxglove::NumericType::float32},
+     {"reflectivity", 16, foxglove::NumericType::uint8},
+     {"laser", 17, foxglove::NumericType::uint8}}};
+
+constexpr std::uint32_t kHour_us = 3'600'000'000U;
 
 template <class Bytes>
-void append_data(Bytes& bytes, std::span<const velodyne::Point> points) {
+void append_data(Bytes& bytes, const LidarCloud& cloud) {
   std::array<std::uint8_t, kPointSize> one{};
-  for (const velodyne::Point& point : points) {
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const velodyne::Point& point = cloud.points[i];
     std::size_t at = 0;
-    for (const float value : {point.x_m, point.y_m, point.z_m}) {
+    for (const float value : {point.x_m, point.y_m, point.z_m, cloud.times_s[i]}) {
       protocols::store_little(std::span(one), at, std::bit_cast<std::uint32_t>(value));
       at += 4;
     }
@@ -63,17 +68,26 @@ std::optional<LidarCloud> LidarClouds::take(SimTime at, std::span<const std::uin
   azimuth_counts_ = azimuth;
   std::optional<LidarCloud> cloud;
   if (turned && begun_) {
-    whole_.swap(points_);
-    cloud.emplace(LidarCloud{*begun_, lidar_, whole_});
+    std::swap(whole_, turn_);
+    cloud.emplace(LidarCloud{*begun_, lidar_, whole_.points, whole_.times_s});
     begun_.reset();
   }
   if (turned && at >= next_) {
     begun_ = at;
+    begun_us_ = packet->timestamp_us;
     next_ = std::max(next_ + every_, at);
-    points_.clear();
+    turn_.points.clear();
+    turn_.times_s.clear();
   }
   if (begun_) {
-    reader_.append(*packet, points_);
+    const std::size_t before = turn_.points.size();
+    reader_.append(*packet, turn_.points);
+    // Time stamps begin anew with each hour.
+    const double packet_s =
+        1e-6 * ((packet->timestamp_us % kHour_us + kHour_us - begun_us_ % kHour_us) % kHour_us);
+    for (const velodyne::Point& point : std::span(turn_.points).subspan(before)) {
+      turn_.times_s.push_back(static_cast<float>(packet_s + 1e-9 * point.packet_offset_ns));
+    }
   }
   return cloud;
 }
@@ -97,7 +111,7 @@ std::string json_message(const LidarCloud& cloud, std::int64_t start_unix_ns) {
   text += R"(],"data":")";
   std::vector<std::uint8_t> data;
   data.reserve(cloud.points.size() * kPointSize);
-  append_data(data, cloud.points);
+  append_data(data, cloud);
   append_base64(text, data);
   text += "\"}";
   return text;
@@ -113,7 +127,7 @@ std::string cdr_message(const LidarCloud& cloud, std::int64_t start_unix_ns) {
                                                    .point_stride = kPointSize,
                                                    .fields = kFields},
                                                   cloud.points.size() * kPointSize);
-  append_data(bytes, cloud.points);
+  append_data(bytes, cloud);
   return bytes;
 }
 

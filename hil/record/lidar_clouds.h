@@ -42,6 +42,8 @@ struct LidarCloud {
   SimTime begun{};
   const RecordedLidar& lidar;
   std::span<const protocols::velodyne::Point> points;
+  /// Of each point: fired so long after the time stamp of the turn's first packet.
+  std::span<const float> times_s;
 };
 /// Of a run that started at `start_unix_ns`.
 [[nodiscard]] std::string json_message(const LidarCloud& cloud, std::int64_t start_unix_ns);
@@ -61,9 +63,14 @@ class LidarClouds {
   RecordedLidar lidar_;
   Duration every_;
   protocols::velodyne::PointReader reader_;
-  std::vector<protocols::velodyne::Point> points_;  ///< Of the cloud that is on its way.
-  std::vector<protocols::velodyne::Point> whole_;
+  struct Turn {
+    std::vector<protocols::velodyne::Point> points;
+    std::vector<float> times_s;
+  };
+  Turn turn_;  ///< Of the cloud that is on its way.
+  Turn whole_;
   std::optional<SimTime> begun_;
+  std::uint32_t begun_us_ = 0;  ///< The same by the packet's time stamp.
   SimTime next_ = kStart;
   std::optional<std::uint16_t> azimuth_counts_;
 };

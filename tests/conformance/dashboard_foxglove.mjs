@@ -54,11 +54,15 @@ assert.equal(cloud.frame_id, "upper");
 const { x, y, z, w } = cloud.pose.orientation;
 assert(Math.abs(Math.hypot(x, y, z, w) - 1) < 1e-9, JSON.stringify(cloud.pose));
 assert.deepEqual(cloud.fields.map(({ name, offset, type }) => [name, offset, type]),
-  [["x", 0, 7], ["y", 4, 7], ["z", 8, 7], ["reflectivity", 12, 1], ["laser", 13, 1]]);
+  [["x", 0, 7], ["y", 4, 7], ["z", 8, 7], ["time", 12, 7], ["reflectivity", 16, 1], ["laser", 17, 1]]);
 assert.equal(cloud.data.length % cloud.point_stride, 0);
 assert(cloud.data.length / cloud.point_stride > 10_000, `${cloud.data.length} bytes`);
 const floats = new DataView(cloud.data.buffer, cloud.data.byteOffset);
+let before_s = 0;
 for (let at = 0; at < cloud.data.length; at += cloud.point_stride) {
+  const time_s = floats.getFloat32(at + 12, true);  // of a turn of 600 rpm, firing by firing
+  assert(time_s > before_s - 1e-4 && time_s < 0.101, `${time_s} s after ${before_s} s`);
+  before_s = time_s;
   const range = Math.hypot(...[0, 4, 8].map((offset) => floats.getFloat32(at + offset, true)));
   assert(range > 0.1 && range < 101, `${range} m`);
 }

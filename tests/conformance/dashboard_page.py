@@ -237,6 +237,25 @@ def points_are_those_of_the_packets(rig, browser):
     shown = eventually("a cloud", lambda: value(browser, "rigwire.view.cloudPoints"))
     assert abs(shown - counted) < 0.05 * counted, (shown, turns)
 
+    def colours(by):
+        """Of some points of a turn that came after it was chosen, in the order in which they were fired."""
+        Select(browser.find_element(By.ID, "colour")).select_by_value(by)
+        before = value(browser, "rigwire.view.count.clouds")
+        eventually("another cloud", lambda: value(browser, "rigwire.view.count.clouds") > before)
+        return value(browser, """(() => {
+            const { points } = rigwire.view.clouds.get("/points/lidar");
+            const all = points.geometry.attributes.color.array;
+            return [0, 0.25, 0.5, 0.75].map((share) => {
+                const at = 3 * Math.floor(share * rigwire.view.cloudPoints);
+                return [...all.slice(at, at + 3)];
+            });
+        })()""")
+    by_time = colours("time")
+    assert len({tuple(round(part, 1) for part in one) for one in by_time}) == 4, by_time
+    assert numpy.abs(numpy.subtract(colours("time"), by_time)).max() < 0.1, "a turn is as the one before it"
+    for other in ("reflectivity", "laser", "range"):
+        assert numpy.abs(numpy.subtract(colours(other), by_time)).max() > 0.1, other
+
 
 @contextlib.contextmanager
 def gpsd_reports(rig):

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <nlohmann/json.hpp>
@@ -26,6 +27,8 @@ const velodyne::Model& kModel = *velodyne::find_model("HDL-32E");
 /// An HDL-32E at ten turns a second: each channel at 10 m.
 class Head {
  public:
+  explicit Head(std::uint32_t begin_us = 0) : timestamp_us_(begin_us) {}
+
   std::array<std::uint8_t, velodyne::kDataPacketSize> next() {
     velodyne::DataPacket packet;
     for (velodyne::Block& block : packet.blocks) {
@@ -33,7 +36,8 @@ class Head {
       azimuth_counts_ = (azimuth_counts_ + 17) % 36'000;
       block.channels.fill({5000, 7});
     }
-    packet.timestamp_us = timestamp_us_ += 553;
+    timestamp_us_ = (timestamp_us_ + 553) % 3'600'000'000U;
+    packet.timestamp_us = timestamp_us_;
     packet.return_mode_byte = 0x37;
     packet.product_id = 0x21;
     std::array<std::uint8_t, velodyne::kDataPacketSize> bytes{};
@@ -43,7 +47,7 @@ class Head {
 
  private:
   std::uint32_t azimuth_counts_ = 9'000;
-  std::uint32_t timestamp_us_ = 0;
+  std::uint32_t timestamp_us_;
 };
 
 std::string from_base64(const std::string& text) {
@@ -98,8 +102,29 @@ TEST(LidarClouds, AreWholeTurnsOneInEveryPeriod) {
           std::bit_cast<float>(protocols::load_little<std::uint32_t>(bytes, at + 4 * k)), 2);
     }
     EXPECT_NEAR(std::sqrt(square), 10.0, 0.2);
-    EXPECT_EQ(bytes[at + 12], 7);
-    EXPECT_LT(bytes[at + 13], 32);
+    EXPECT_EQ(bytes[at + 16], 7);
+    EXPECT_LT(bytes[at + 17], 32);
+  }
+}
+
+TEST(LidarClouds, TimesOfPointsRiseAcrossTheFullHour) {
+  for (const std::uint32_t begin_us : {0U, 3'600'000'000U - 200'000U}) {
+    LidarClouds clouds({"lidar", "upper", Eigen::Isometry3d::Identity(), &kModel}, 0s);
+    Head head(begin_us);
+    int whole = 0;
+    for (SimTime at = kStart; whole < 3; at += 553us) {
+      ASSERT_LT(at, kStart + 3s);
+      const auto cloud = clouds.take(at, head.next());
+      if (!cloud) {
+        continue;
+      }
+      ++whole;
+      ASSERT_EQ(cloud->times_s.size(), cloud->points.size());
+      EXPECT_NEAR(cloud->times_s.front(), 0.0F, 1e-4F);
+      EXPECT_TRUE(std::ranges::is_sorted(cloud->times_s));
+      // 36000 counts, 12 blocks of 17 in each 553 us.
+      EXPECT_NEAR(cloud->times_s.back(), 36'000.0 / (12 * 17) * 553e-6, 1e-3);
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -166,6 +167,7 @@ class Asked {
           } catch (const std::exception&) {
             // The rig is gone; its own end tells why.
           }
+          is_there_ = true;
           const std::uint64_t one = 1;
           static_cast<void>(::write(descriptor(), &one, sizeof(one)) == sizeof(one));
         }) {}
@@ -174,11 +176,12 @@ class Asked {
   Asked& operator=(const Asked&) = delete;
   [[nodiscard]] int descriptor() const { return answered_.get(); }
   /// Once `descriptor` is readable: nothing when the rig is gone.
-  [[nodiscard]] const std::optional<Json>& answer() const { return answer_; }
+  [[nodiscard]] std::optional<Json> answer() const { return is_there_ ? answer_ : std::nullopt; }
 
  private:
   Descriptor answered_;
   std::optional<Json> answer_;
+  std::atomic<bool> is_there_{false};
   std::thread thread_;
 };
 
@@ -261,8 +264,8 @@ class CampaignRun {
       }
       events.emplace(wires_.control(), Json{{"verb", "events"}});
       wait(*events, -1);
-      if (events->answer()) {
-        WholeFile("the events", folder_ / "events.json").write(events->answer()->dump(1) + "\n");
+      if (const auto told = events->answer()) {
+        WholeFile("the events", folder_ / "events.json").write(told->dump(1) + "\n");
         stop.emplace(wires_.control(), Json{{"verb", "stop"}});
         wait(*stop, -1);
       }

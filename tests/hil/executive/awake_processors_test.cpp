@@ -18,10 +18,14 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-std::set<pid_t> threads() {
+/// Of this process.
+std::set<pid_t> threads_of_idle_priority() {
   std::set<pid_t> all;
   for (const auto& entry : fs::directory_iterator("/proc/self/task")) {
-    all.insert(static_cast<pid_t>(std::stoi(entry.path().filename().string())));
+    const auto thread = static_cast<pid_t>(std::stoi(entry.path().filename().string()));
+    if (::sched_getscheduler(thread) == SCHED_IDLE) {
+      all.insert(thread);
+    }
   }
   return all;
 }
@@ -29,16 +33,13 @@ std::set<pid_t> threads() {
 TEST(AwakeProcessors, EachThatTheProcessMayUseHasAThreadOfIdlePriorityOfItsOwn) {
   cpu_set_t own;
   ASSERT_EQ(::sched_getaffinity(0, sizeof own, &own), 0);
-  const std::set<pid_t> before = threads();
   const AwakeProcessors awake;
   EXPECT_EQ(awake.processors(), static_cast<std::size_t>(CPU_COUNT(&own)));
+  const std::set<pid_t> threads = threads_of_idle_priority();
+  EXPECT_EQ(threads.size(), awake.processors());
   cpu_set_t covered;
   CPU_ZERO(&covered);
-  for (const pid_t thread : threads()) {
-    if (before.contains(thread)) {
-      continue;
-    }
-    EXPECT_EQ(::sched_getscheduler(thread), SCHED_IDLE);
+  for (const pid_t thread : threads) {
     cpu_set_t one;
     ASSERT_EQ(::sched_getaffinity(thread, sizeof one, &one), 0);
     EXPECT_EQ(CPU_COUNT(&one), 1);
@@ -57,9 +58,8 @@ TEST(AwakeProcessors, WhatTheyUseIsTold) {
 }
 
 TEST(AwakeProcessors, EndWithIt) {
-  const std::set<pid_t> before = threads();
   { const AwakeProcessors awake; }
-  EXPECT_EQ(threads(), before);
+  EXPECT_TRUE(threads_of_idle_priority().empty());
 }
 
 class LimitOfProcessors : public testing::Test {

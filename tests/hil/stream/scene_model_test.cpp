@@ -66,7 +66,8 @@ TEST_F(SceneModelTest, EverythingIsThereWhereItStands) {
 }
 
 TEST_F(SceneModelTest, EveryModelIsAnAssetAndNothingElseIs) {
-  for (const Json& one : Json::parse(model_.whole())["entities"]) {
+  const Json whole = Json::parse(model_.whole());
+  for (const Json& one : whole["entities"]) {
     const auto asset = model_.asset(one["models"][0]["url"].get<std::string>());
     ASSERT_TRUE(asset) << one;
     EXPECT_THAT(*asset, StartsWith("glTF"));

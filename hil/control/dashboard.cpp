@@ -314,7 +314,7 @@ void Dashboard::set_parameters(const std::vector<StreamParameter>& wanted,
 
 std::string Dashboard::control_playback(const foxglove::PlaybackControl& control) {
   if (control.seek_ns) {
-    const std::string why = seek(*control.seek_ns, control.request);
+    std::string why = seek(*control.seek_ns, control.request);
     if (!why.empty()) {
       tell_playback(control.request);
     }

@@ -322,7 +322,7 @@ void ModbusReader::read_values(Unit* unit, Span span, std::span<const std::uint8
     }
     emulators::RegisterWords told{};
     for (std::size_t word = 0; word < words; ++word) {
-      told[word] = bits ? data[place] >> (next % 8) & 1U
+      told[word] = bits ? static_cast<std::uint16_t>(data[place] >> (next % 8) & 1U)
                         : protocols::load_big<std::uint16_t>(data, place + 2 * word);
     }
     const ValveRegister& entry = *found->entry;

@@ -177,7 +177,8 @@ std::string to_prometheus(const RunReport& report) {
   text.single("simulated_seconds", "gauge", "Simulated time since the start.",
               to_seconds(report.outcome.reached));
   text.single("wall_seconds_total", "counter", "Wall time since the start.", report.outcome.wall_s);
-  text.single("cpu_seconds_total", "counter", "CPU time of the process, but for what keeps processors awake.", report.cpu_s);
+  text.single("cpu_seconds_total", "counter",
+              "CPU time of the process, but for what keeps processors awake.", report.cpu_s);
   text.single("peak_resident_bytes", "gauge", "Peak memory of the whole process.",
               std::llround(report.peak_rss_mb * 1e6));
   text.single("overruns_total", "counter", "Times that the host was too slow for the clock.",

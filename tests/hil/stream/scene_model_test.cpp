@@ -91,8 +91,8 @@ TEST_F(SceneModelTest, DugGroundRenewsItsTilesAlone) {
   const std::string url = tile["models"][0]["url"];
   const std::string old_url = entity(before, tile["id"].get<std::string>())["models"][0]["url"];
   EXPECT_NE(url, old_url);
-  const auto& bytes = *model_.asset(url);
-  EXPECT_NE(bytes, *SceneModel(sim::contents_of(pit_.scene), 0).asset(url));
+  const auto bytes = model_.asset(url);
+  EXPECT_NE(*bytes, *SceneModel(sim::contents_of(pit_.scene), 0).asset(url));
   // Whoever comes now is told of the new one.
   EXPECT_EQ(entity(Json::parse(model_.whole()), tile["id"].get<std::string>()), tile);
 }

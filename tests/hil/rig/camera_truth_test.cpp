@@ -46,8 +46,8 @@ class CameraTruth : public CameraRig {
       take(packet);
     });
     start_streaming();
-    const RunOutcome outcome = paced ? rig->executive().run_paced({}, kStart + duration)
-                                     : rig->executive().run_free(kStart + duration);
+    RunOutcome outcome = paced ? rig->executive().run_paced({}, kStart + duration)
+                               : rig->executive().run_free(kStart + duration);
     counted = counts();
     hash = rig->device_reports().at(0).statistics.hash.value();
     rig.reset();

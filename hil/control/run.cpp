@@ -252,7 +252,11 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   Interrupts interrupts(io, log);  // before the first wire is opened, so that none is left behind
   std::optional<AwakeProcessors> awake;
   if (options.awake) {
-    awake.emplace();
+    try {
+      awake.emplace();
+    } catch (const std::runtime_error& refusal) {
+      throw drivers::EndpointError(fmt::format("--awake: {}", refusal.what()));
+    }
   }
   const AwakeProcessors* const kept_awake = awake ? &*awake : nullptr;
   std::optional<Isolated> isolated;

@@ -273,7 +273,7 @@ export class View {
     const places = points.geometry.attributes.position.array;
     const colours = points.geometry.attributes.color.array;
     const by = this.colourChoice.value;
-    const turn_s = count > 0 ? data.getFloat32((count - 1) * stride + offset.time, true) : 0;
+    const turn_s = (count > 0 && data.getFloat32((count - 1) * stride + offset.time, true)) || 1;
     for (let i = 0; i < count; ++i) {
       const at = i * stride;
       const x = data.getFloat32(at + offset.x, true);

@@ -290,7 +290,7 @@ void declare(CLI::App& app, Parsed& parsed) {
   ctl_app->add_option("endpoint", parsed.control, "As the run's --control has it")->required();
   ctl_app
       ->add_option("verb", parsed.word,
-                   "state, read, pause, resume, run_until, step, speed, wait, fault_add,\n"
+                   "state, read, pause, resume, run_until, seek, step, speed, wait, fault_add,\n"
                    "fault_clear, fault_list, events, record, set or stop")
       ->required();
   ctl_app->add_option("keys", parsed.request,
@@ -329,8 +329,8 @@ void declare(CLI::App& app, Parsed& parsed) {
       "  rigwire record cut /tmp/dig --from 12s --to 15s -o /tmp/moment\n"
       "  rigwire record export /tmp/dig --topic truth -o truth.csv");
 
-  CLI::App* replay_app =
-      app.add_subcommand("replay", "Play a recording on its wires, or run it again and compare");
+  CLI::App* replay_app = app.add_subcommand(
+      "replay", "Play a recording on its wires, show it, or run it again and compare");
   replay_app->add_option("folder", parsed.recording, "As run --record had it")->required();
   replay_app->add_flag(
       "--verify", parsed.verify,
@@ -340,11 +340,20 @@ void declare(CLI::App& app, Parsed& parsed) {
   replay_app->add_option("--clock", parsed.clock, "real, free, scaled:X");
   replay_app->add_flag("--loop", parsed.loop, "Begins again at its end");
   replay_app->add_option("--speed", parsed.speed, "How much faster than it was, 0.001 .. 1000");
+  replay_app->add_flag(
+      "--dashboard", parsed.dashboard,
+      "Run the recorded configuration with its clients again, on wires that nobody\n"
+      "hears, and show it on a page on which time goes to any instant; its address\n"
+      "is told in the log");
+  replay_app->add_option("--control", parsed.control,
+                         "With --dashboard: as of run; `seek` sends it to an instant");
+  replay_app->add_option("--ready-fd", parsed.ready_fd, "With --dashboard: as of run");
   replay_app->add_option("--from", parsed.from, "Where the piece begins, simulated time");
   replay_app->add_option("--to", parsed.to, "Where it ends");
   log_level(replay_app);
   replay_app->footer(
       "\nExamples:\n  rigwire replay /tmp/dig --verify\n"
+      "  rigwire replay /tmp/dig --dashboard --from 20s\n"
       "  rigwire replay /tmp/dig --loop");
 
   CLI::App* check_app = app.add_subcommand("check", "Check a rig; every finding in one pass");
@@ -778,15 +787,31 @@ int dispatch_record(const Parsed& parsed, Terminal terminal) {
   return record_cut_verb(parsed.recording, kStart + *from, kStart + *to, parsed.output, terminal);
 }
 
+/// `from`: of --from.
+int dispatch_shown(const Parsed& parsed, RunOptions options, Duration from, Terminal terminal) {
+  if (!parsed.control.empty()) {
+    options.control = parse_control_endpoint(parsed.control);
+    if (!options.control) {
+      return refuse_control(parsed.control, "--control", terminal, "replay");
+    }
+  }
+  options.control_token = token_of_environment();
+  options.ready_descriptor = parsed.ready_fd;
+  return show_verb(parsed.recording, std::move(options), kStart + from);
+}
+
 int dispatch_replay(const Parsed& parsed, Terminal terminal) {
   const auto level = parse_log_level(parsed.log_level);
   if (!level) {
     return refuse_log_level(parsed.log_level, terminal, "replay");
   }
-  const bool plays = parsed.loop || !(parsed.from + parsed.to + parsed.speed).empty();
-  if (parsed.verify ? plays : parsed.json) {
+  const bool plays = parsed.loop || !(parsed.to + parsed.speed).empty();
+  const bool governed = !parsed.control.empty() || parsed.ready_fd;
+  const bool all_else = plays || !parsed.from.empty() || parsed.dashboard || governed;
+  if (parsed.verify ? all_else : parsed.json || (parsed.dashboard ? plays : governed)) {
     return usage(
-        "replay: allowed either --verify with --json, or --clock, --loop, --speed, --from, --to",
+        "replay: allowed either --verify with --json, or --dashboard with --clock, --from, "
+        "--control, --ready-fd, or --clock, --loop, --speed, --from, --to",
         terminal.err, "replay");
   }
   if (parsed.verify) {
@@ -795,10 +820,10 @@ int dispatch_replay(const Parsed& parsed, Terminal terminal) {
   RunOptions options;
   options.log_level = *level;
   const auto clock = parse_clock_mode(parsed.clock);
-  if (!clock || clock->kind == ClockMode::Kind::step || clock->kind == ClockMode::Kind::drained) {
-    return usage(fmt::format("--clock: not a clock of a replay, found \"{}\", allowed real, free, "
+  if (!clock || !(clock->paced() || (clock->kind == ClockMode::Kind::free && !parsed.dashboard))) {
+    return usage(fmt::format("--clock: not a clock of a replay, found \"{}\", allowed real, {}"
                              "scaled:X with X = 0.01 .. 1000",
-                             parsed.clock),
+                             parsed.clock, parsed.dashboard ? "" : "free, "),
                  terminal.err, "replay");
   }
   options.clock = *clock;
@@ -819,6 +844,9 @@ int dispatch_replay(const Parsed& parsed, Terminal terminal) {
                              "example --from 2s --to 2500ms",
                              parsed.from, parsed.to),
                  terminal.err, "replay");
+  }
+  if (parsed.dashboard) {
+    return dispatch_shown(parsed, std::move(options), *from, terminal);
   }
   piece.from = *from;
   piece.to = *to;

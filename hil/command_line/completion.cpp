@@ -48,8 +48,8 @@ _rigwire() {
     conform) local options="modbus-tcp modbus-rtu nmea ubx canopen j1939 iso11783-valves velodyne gige-vision --list --listen --profile --make-profile --addresses --address --writes --moves --robustness --allow-remote --expect --json --junit --html --beside --captures --help" ;;
     schema) local options="rig machine scene valve-map dbc-node campaign --help" ;;
     record) local options="info cut export --from --to --topic --output --json --help" ;;
-    replay) local options="--verify --json --clock --loop --speed --from --to --log-level --help" ;;
-    ctl) local options="state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop --follow --only --stop --help" ;;
+    replay) local options="--verify --json --dashboard --control --ready-fd --clock --loop --speed --from --to --log-level --help" ;;
+    ctl) local options="state read pause resume run_until seek step speed wait fault_add fault_clear fault_list events record set stop --follow --only --stop --help" ;;
     campaign) local options="expand run collect report --output --index --html --axes --help" ;;
     completion) local options="bash zsh fish" ;;
     *) local options="--json --help" ;;
@@ -110,8 +110,8 @@ _rigwire() {
     conform) compadd -- modbus-tcp modbus-rtu nmea ubx canopen j1939 iso11783-valves velodyne gige-vision --list --listen --profile --make-profile --addresses --address --writes --moves --robustness --allow-remote --expect --json --junit --html --beside --captures --help ;;
     schema) compadd -- rig machine scene valve-map dbc-node campaign ;;
     record) compadd -- info cut export --from --to --topic --output --json --help ;;
-    replay) compadd -- --verify --json --clock --loop --speed --from --to --log-level --help ;;
-    ctl) compadd -- state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop --follow --only --stop --help ;;
+    replay) compadd -- --verify --json --dashboard --control --ready-fd --clock --loop --speed --from --to --log-level --help ;;
+    ctl) compadd -- state read pause resume run_until seek step speed wait fault_add fault_clear fault_list events record set stop --follow --only --stop --help ;;
     campaign) compadd -- expand run collect report --output --index --html --axes --help ;;
     completion) compadd -- bash zsh fish ;;
     doctor) compadd -- --json --help ;;
@@ -167,6 +167,9 @@ complete -c rigwire -n "__fish_seen_subcommand_from record" -a "info cut export"
 complete -c rigwire -n "__fish_seen_subcommand_from record" -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from replay" -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from replay" -l verify
+complete -c rigwire -n "__fish_seen_subcommand_from replay" -l dashboard
+complete -c rigwire -n "__fish_seen_subcommand_from replay" -l control -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from replay" -l ready-fd -x
 complete -c rigwire -n "__fish_seen_subcommand_from record" -l from -x
 complete -c rigwire -n "__fish_seen_subcommand_from record" -l to -x
 complete -c rigwire -n "__fish_seen_subcommand_from record" -l topic -x -a "truth transforms antenna statistics events motion joints points"
@@ -203,7 +206,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from conform" -l moves -x
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l listen -x
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l captures -x -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from schema" -a "rig machine scene valve-map dbc-node campaign"
-complete -c rigwire -n "__fish_seen_subcommand_from ctl" -a "state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop"
+complete -c rigwire -n "__fish_seen_subcommand_from ctl" -a "state read pause resume run_until seek step speed wait fault_add fault_clear fault_list events record set stop"
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -l follow
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -l only -x
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -l stop

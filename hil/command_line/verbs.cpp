@@ -23,6 +23,7 @@
 #include "hil/configuration/outline.h"
 #include "hil/configuration/suggest.h"
 #include "hil/control/control_client.h"
+#include "hil/control/shown_recording.h"
 #include "hil/control/verification.h"
 #include "hil/devices/device_types.h"
 #include "hil/devices/site.h"
@@ -493,6 +494,11 @@ int replay_verb(const std::string& folder, const ReplayedPiece& piece, RunOption
     options.duration = rig.length;
   }
   return run(rig.configuration, options);
+}
+
+int show_verb(const std::string& folder, RunOptions options, SimTime from) {
+  require_open_files();
+  return show_recording(folder, std::move(options), from);
 }
 
 int bench_verb(const std::vector<std::string>& arguments, Terminal terminal) {

@@ -78,6 +78,8 @@ struct CtlRequest {
 /// Plays a recording on the wires of its rig.
 [[nodiscard]] int replay_verb(const std::string& folder, const ReplayedPiece& piece,
                               RunOptions options, Terminal terminal);
+/// Shows it on a page, from that instant on.
+[[nodiscard]] int show_verb(const std::string& folder, RunOptions options, SimTime from);
 /// What `rigwire campaign` was asked to do.
 struct CampaignRequest {
   std::string action;  ///< expand, run, collect, report

@@ -72,6 +72,11 @@ void visit(fields::Visitor& v, RunUntilCommand& p) {
   v.duration("time", p.time, {1, fields::kYear_ns}, "From the start of the run.");
 }
 
+void visit(fields::Visitor& v, SeekCommand& p) {
+  v.required("time");
+  v.duration("time", p.time, {0, fields::kYear_ns}, "From the start of the recorded run.");
+}
+
 void visit(fields::Visitor& v, StepCommand& p) {
   v.required("length");
   v.duration("length", p.length, {1, fields::kYear_ns}, "How far time goes on.");

@@ -36,6 +36,14 @@ struct RunUntilCommand {
 
   Duration time{0};  ///< From the start of the run.
 };
+struct SeekCommand {
+  static constexpr fields::Named kNamed{
+      "seek",
+      "Of a recording that is shown: time goes to an instant before or after now, as fast as it "
+      "goes, and on from there or stands as it did."};
+
+  Duration time{0};  ///< From the start of the run.
+};
 struct StepCommand {
   static constexpr fields::Named kNamed{
       "step", "Time goes on for a while and stands again; then comes the answer."};
@@ -107,15 +115,16 @@ struct StopCommand {
   static constexpr fields::Named kNamed{"stop", "The run ends as at the end of its duration."};
 };
 
-using Command =
-    std::variant<StateCommand, PauseCommand, ResumeCommand, RunUntilCommand, StepCommand,
-                 SpeedCommand, ReadCommand, WaitCommand, FaultAddCommand, FaultClearCommand,
-                 FaultListCommand, EventsCommand, RecordCommand, SetCommand, StopCommand>;
+using Command = std::variant<StateCommand, PauseCommand, ResumeCommand, RunUntilCommand,
+                             SeekCommand, StepCommand, SpeedCommand, ReadCommand, WaitCommand,
+                             FaultAddCommand, FaultClearCommand, FaultListCommand, EventsCommand,
+                             RecordCommand, SetCommand, StopCommand>;
 
 inline void visit(fields::Visitor&, StateCommand&) {}
 inline void visit(fields::Visitor&, PauseCommand&) {}
 inline void visit(fields::Visitor&, ResumeCommand&) {}
 void visit(fields::Visitor& v, RunUntilCommand& p);
+void visit(fields::Visitor& v, SeekCommand& p);
 void visit(fields::Visitor& v, StepCommand& p);
 void visit(fields::Visitor& v, SpeedCommand& p);
 inline void visit(fields::Visitor&, ReadCommand&) {}

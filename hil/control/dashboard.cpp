@@ -18,6 +18,7 @@
 #include "hil/configuration/outline.h"
 #include "hil/configuration/reader.h"
 #include "hil/configuration/schema.h"
+#include "hil/control/rerun.h"
 #include "hil/devices/gige_camera.h"
 #include "hil/devices/valve_driver.h"
 #include "hil/devices/velodyne.h"
@@ -156,6 +157,16 @@ std::vector<NamedUnit> named_units(const RigConfiguration& configuration, const 
   return units;
 }
 
+/// The whole of a recording that is shown: its end, and its events as `/events` has them.
+std::string told_of(const Rerun& recording) {
+  Json events = Json::array();
+  for (const RecordedAct& event : recording.events()) {
+    events.push_back({{"time_ns", (event.at - kStart).count()},
+                      {"log", Json::parse(event.text, nullptr, false)}});
+  }
+  return Json{{"end_ns", (recording.end() - kStart).count()}, {"events", std::move(events)}}.dump();
+}
+
 }  // namespace
 
 StreamedRun streamed_run(const RigConfiguration& configuration, const std::string& session) {
@@ -200,6 +211,10 @@ void Dashboard::serve(Desk& desk) {
   desk_ = &desk;
   Viewers& viewers = stream_.viewers();
   status_ = viewers.add({"/status", "json", "rigwire.Status", R"({"type":"object"})", 1});
+  if (desk.shown() != nullptr) {
+    viewers.add({"/recorded", "json", "rigwire.Recorded", R"({"type":"object"})", 1,
+                 [told = told_of(*desk.shown())] { return told; }});
+  }
   offer_commands();
   viewers.offer({[this](const StreamParameters::Told& told) {
                    desk_thread_.go([this, told = desk_thread_.back(told)] { told(parameters()); });
@@ -347,11 +362,14 @@ std::string Dashboard::control_playback(const foxglove::PlaybackControl& control
 
 std::string Dashboard::seek(std::uint64_t unix_ns, const std::string& request) {
   const auto now = stream_.unix_ns(executive_.now());
-  if (unix_ns <= now) {
+  const SimTime until = executive_.now() + Duration{static_cast<std::int64_t>(unix_ns - now)};
+  Command command = RunUntilCommand{until - kStart};
+  if (desk_->shown() != nullptr) {
+    command = SeekCommand{until - kStart};
+  } else if (unix_ns <= now) {
     return "a run cannot go back, devices have sent what they have sent; start it again and go "
-           "forward";
-  }
-  if (desk_->clock().paced()) {
+           "forward, or record it and show the recording (replay --dashboard)";
+  } else if (desk_->clock().paced()) {
     return fmt::format(
         "this run follows the wall clock ({}); one with --clock step can be sent "
         "forward",
@@ -359,15 +377,13 @@ std::string Dashboard::seek(std::uint64_t unix_ns, const std::string& request) {
   }
   // Refused at once or answered when time stands there, which may be after this.
   const auto refused = std::make_shared<std::string>();
-  const SimTime until = executive_.now() + Duration{static_cast<std::int64_t>(unix_ns - now)};
-  desk_->carry_out(Request{RunUntilCommand{until - kStart}},
-                   [this, request, refused](const Reply& reply) {
-                     if (reply.outcome == Reply::Outcome::done) {
-                       tell_playback(request, true);
-                     } else {
-                       *refused = said(reply);
-                     }
-                   });
+  desk_->carry_out(Request{std::move(command)}, [this, request, refused](const Reply& reply) {
+    if (reply.outcome == Reply::Outcome::done) {
+      tell_playback(request, true);
+    } else {
+      *refused = said(reply);
+    }
+  });
   return *refused;
 }
 

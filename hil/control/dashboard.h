@@ -46,7 +46,8 @@ class Dashboard {
   void set_parameters(const std::vector<StreamParameter>& wanted,
                       const StreamParameters::Done& done);
   [[nodiscard]] std::string control_playback(const protocols::foxglove::PlaybackControl& control);
-  /// Goes on to that instant, as a clock that steps can; else why not.
+  /// Goes on to that instant, as a clock that steps can and a recording that is shown; else why
+  /// not.
   [[nodiscard]] std::string seek(std::uint64_t unix_ns, const std::string& request);
   void tell_playback(std::string_view request, bool did_seek = false);
 

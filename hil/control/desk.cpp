@@ -14,6 +14,7 @@
 #include "hil/configuration/problems.h"
 #include "hil/configuration/reader.h"
 #include "hil/configuration/suggest.h"
+#include "hil/control/rerun.h"
 #include "hil/record/report.h"
 
 namespace rigwire::hil {
@@ -150,6 +151,13 @@ Json json_of(const RunEvent& event) {
           {"text", printable(event.text)}};
 }
 
+bool changes_the_run(const Command& command) {
+  return std::holds_alternative<FaultAddCommand>(command) ||
+         std::holds_alternative<FaultClearCommand>(command) ||
+         std::holds_alternative<RecordCommand>(command) ||
+         std::holds_alternative<SetCommand>(command);
+}
+
 }  // namespace
 
 Desk::Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run)
@@ -159,7 +167,8 @@ Desk::Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run)
     // On whatever thread it is told.
     run_.events->inform_desk([this](const RunEvent&) { later([this] { tell_events(); }); });
   }
-  if (run_.clock.kind == ClockMode::Kind::step || run_.clock.kind == ClockMode::Kind::drained) {
+  if (run_.clock.kind == ClockMode::Kind::step || run_.clock.kind == ClockMode::Kind::drained ||
+      (run_.shown != nullptr && run_.shown->begins_standing())) {
     executive_.pause();
   }
 }
@@ -198,6 +207,14 @@ std::optional<Request> Desk::read(const std::string& text, const std::string& na
 
 void Desk::carry_out(const std::string& text, const std::string& name, Answer answer, Asker asker) {
   if (auto request = read(text, name, answer)) {
+    if (run_.shown != nullptr && changes_the_run(request->command)) {
+      refuse(
+          answer, Reply::Outcome::refused,
+          {{"what", "this run has been, nobody changes it"},
+           {"path", "verb"},
+           {"allowed", "seek, pause, resume, speed, run_until, step, wait and what only tells"}});
+      return;
+    }
     if (auto* const record = std::get_if<RecordCommand>(&request->command)) {
       record->confined = asker == Asker::anybody;
     }
@@ -287,7 +304,9 @@ void Desk::act(const StateCommand&, const Answer& answer) {
                 {"seed", run_.seed},
                 {"config_hash", run_.config_hash},
                 {"clock", to_string(run_.clock)},
-                {"queued", queue_.size()}});
+                {"queued", queue_.size()},
+                {"recorded_end_ns",
+                 run_.shown != nullptr ? Json(nanoseconds(run_.shown->end())) : Json(nullptr)}});
 }
 
 void Desk::act(const PauseCommand&, const Answer& answer) {
@@ -296,6 +315,11 @@ void Desk::act(const PauseCommand&, const Answer& answer) {
 }
 
 void Desk::act(const ResumeCommand&, const Answer& answer) {
+  if (run_.shown != nullptr && executive_.now() >= run_.shown->end()) {
+    refuse(answer, Reply::Outcome::refused,
+           {{"what", "the recording ends here"}, {"allowed", "seek to an instant before"}});
+    return;
+  }
   executive_.resume();
   done(answer, {});
 }
@@ -308,14 +332,49 @@ void Desk::act(const RunUntilCommand& command, const Answer& answer) {
             {"path", "time"},
             {"found", seconds_text(until)},
             {"allowed", "later than " + seconds_text(executive_.now())}});
-  } else if (!busy(answer)) {
+  } else if (!beyond_end(until, "time", answer) && !busy(answer)) {
     depart({.until = until, .stands_then = true, .answer = answer});
   }
 }
 
+void Desk::act(const SeekCommand& command, const Answer& answer) {
+  const SimTime until = kStart + command.time;
+  if (run_.shown == nullptr) {
+    refuse(answer, Reply::Outcome::refused,
+           {{"what", "a run cannot go back, devices have sent what they have sent"},
+            {"path", "verb"},
+            {"allowed", "seek in a recording that is shown (replay --dashboard); else run_until"}});
+    return;
+  }
+  if (beyond_end(until, "time", answer)) {
+    return;
+  }
+  bool stands_then = executive_.paused();
+  if (!journey_.empty() && journey_.front().seeks) {
+    const Journey before = std::move(journey_.front());
+    journey_.clear();
+    stands_then = before.stands_then;
+    refuse(before.answer, Reply::Outcome::refused, {{"what", "time was sent elsewhere before"}});
+  }
+  if (busy(answer)) {
+    return;
+  }
+  if (until < executive_.now()) {
+    run_.shown->show_again(until, stands_then, run_.clock.factor);
+    done(answer, {});
+    executive_.stop();
+  } else if (until == executive_.now()) {
+    done(answer, {});
+  } else {
+    run_.shown->pace().hasten(until);
+    depart({.until = until, .stands_then = stands_then, .seeks = true, .answer = answer});
+  }
+}
+
 void Desk::act(const StepCommand& command, const Answer& answer) {
-  if (!busy(answer)) {
-    depart({.until = executive_.now() + command.length, .stands_then = true, .answer = answer});
+  const SimTime until = executive_.now() + command.length;
+  if (!beyond_end(until, "length", answer) && !busy(answer)) {
+    depart({.until = until, .stands_then = true, .answer = answer});
   }
 }
 
@@ -329,6 +388,9 @@ void Desk::act(const SpeedCommand& command, const Answer& answer) {
     return;
   }
   executive_.set_factor(command.factor);
+  if (run_.shown != nullptr) {
+    run_.shown->pace().set_factor(command.factor);
+  }
   run_.clock = {command.factor == 1.0 ? ClockMode::Kind::real : ClockMode::Kind::scaled,
                 command.factor};
   done(answer, {{"clock", to_string(run_.clock)}});
@@ -826,6 +888,18 @@ bool Desk::busy(const Answer& answer) {
          {{"what", "time is on its way for another request"},
           {"found", "until " + seconds_text(journey_.front().until) + " at the latest"},
           {"allowed", "one run_until, step or wait at a time"}});
+  return true;
+}
+
+bool Desk::beyond_end(SimTime until, std::string_view path, const Answer& answer) {
+  if (run_.shown == nullptr || until <= run_.shown->end()) {
+    return false;
+  }
+  refuse(answer, Reply::Outcome::refused,
+         {{"what", "the recording ends before"},
+          {"path", path},
+          {"found", seconds_text(until)},
+          {"allowed", "up to " + seconds_text(run_.shown->end())}});
   return true;
 }
 

@@ -7,7 +7,11 @@
 //
 // Answers. Each request is answered once: when it is done (run_until: when time stands there),
 // when it is refused, or when the run ends before. One client at a time sends time somewhere: while
-// a run_until, a step or a wait is on its way, another one is refused.
+// a run_until, a step or a wait is on its way, another one is refused; a seek takes the place of
+// the one before.
+//
+// A recording that is shown. Its time goes no further than the recorded end, and nobody changes
+// what happened. A seek backward is answered when the run is about to end and begin again.
 //
 // What `read` and `wait` see of the machine is its state at the end of the newest slice, whose
 // instant is told beside it: when time stands within a slice that is up to a slice ahead, when
@@ -41,6 +45,8 @@
 
 namespace rigwire::hil {
 
+class Rerun;
+
 /// What was done, or why not.
 struct Reply {
   enum class Outcome {
@@ -70,6 +76,7 @@ struct GovernedRun {
   Recorder* recorder = nullptr;     ///< Null: it cannot be recorded.
   Hand* hand = nullptr;             ///< Null: there are no sticks.
   RigSettings* settings = nullptr;  ///< Null: no device is told anything.
+  Rerun* shown = nullptr;           ///< The recording that is shown; null: it is a run of its own.
   /// Below it, and nowhere else, folders of recordings are made for who may be anybody.
   std::filesystem::path records_below{};
 };
@@ -99,6 +106,8 @@ class Desk final : public EventSource {
   void carry_out_at(SimTime at, const std::string& text, const std::string& name, Answer answer);
   [[nodiscard]] std::string metrics() const { return run_.metrics(); }
   [[nodiscard]] ClockMode clock() const { return run_.clock; }
+  /// Null: it is a run of its own.
+  [[nodiscard]] const Rerun* shown() const { return run_.shown; }
   /// What `set` can set, and its value as a rig's file has it; empty: no hand holds it.
   struct Setting {
     std::string on;
@@ -119,10 +128,11 @@ class Desk final : public EventSource {
     Command command;
     Answer answer;
   };
-  /// A run_until, step or wait on its way.
+  /// A run_until, seek, step or wait on its way.
   struct Journey {
     SimTime until{};  ///< Where it ends at the latest.
     bool stands_then = false;
+    bool seeks = false;
     bool waits = false;  ///< For the quantity at `index`.
     std::size_t index = 0;
     bool above = true;
@@ -136,6 +146,7 @@ class Desk final : public EventSource {
   void act(const PauseCommand&, const Answer& answer);
   void act(const ResumeCommand&, const Answer& answer);
   void act(const RunUntilCommand& command, const Answer& answer);
+  void act(const SeekCommand& command, const Answer& answer);
   void act(const StepCommand& command, const Answer& answer);
   void act(const SpeedCommand& command, const Answer& answer);
   void act(const ReadCommand&, const Answer& answer);
@@ -167,6 +178,8 @@ class Desk final : public EventSource {
 
   /// Whether another journey is on its way; refuses then.
   bool busy(const Answer& answer);
+  /// Whether that is beyond the end of the recording that is shown; refuses then.
+  bool beyond_end(SimTime until, std::string_view path, const Answer& answer);
   void depart(Journey journey);
   void arrive_at(SimTime now);
   [[nodiscard]] bool is_there(const Journey& journey) const;

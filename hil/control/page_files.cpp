@@ -21,7 +21,7 @@ struct Row {
   std::string_view package;  ///< Debian's; empty: of the page itself.
 };
 
-constexpr std::array<Row, 21> kRows{{
+constexpr std::array<Row, 23> kRows{{
     {"/", "index.html", ""},
     {"/page/style.css", "style.css", ""},
     {"/page/main.js", "main.js", ""},
@@ -35,7 +35,9 @@ constexpr std::array<Row, 21> kRows{{
     {"/page/plots.js", "plots.js", ""},
     {"/page/events.js", "events.js", ""},
     {"/page/hands.js", "hands.js", ""},
+    {"/page/kept.js", "kept.js", ""},
     {"/page/lateness.js", "lateness.js", ""},
+    {"/page/recording.js", "recording.js", ""},
     {"/page/registers.js", "registers.js", ""},
     {"/page/sensors.js", "sensors.js", ""},
     {"/page/timeline.js", "timeline.js", ""},

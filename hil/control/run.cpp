@@ -20,6 +20,7 @@
 #include "hil/control/dashboard.h"
 #include "hil/control/desk.h"
 #include "hil/control/ready.h"
+#include "hil/control/rerun.h"
 #include "hil/executive/awake_processors.h"
 #include "hil/executive/background_thread.h"
 #include "hil/files/new_folder.h"
@@ -94,6 +95,13 @@ class Interrupts {
 
 RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOptions& options,
                    RunLog& log, RunEvents& events) {
+  if (options.shown != nullptr) {
+    // Who looks at it takes each slice in the time that it lasts.
+    const auto shown = [&] {
+      return options.shown->pace().lets_go(rig.executive().now(), std::chrono::steady_clock::now());
+    };
+    return rig.executive().run_free(kNever, {shown, std::chrono::nanoseconds::max(), [] {}});
+  }
   const SimTime end = options.duration ? kStart + *options.duration : kNever;
   if (options.clock.kind == ClockMode::Kind::drained) {
     ClientDrain drain;
@@ -271,7 +279,10 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   // Before a device saves what it is told.
   const bool is_told = report_file || options.onlooker || options.control || options.dashboard ||
                        isolated || !options.record.folder.empty();
-  const std::string hash = is_told ? config_hash(configuration) : std::string();
+  Rerun* const shown = options.shown;
+  const std::string hash = shown != nullptr ? shown->contents().run.config_hash
+                           : is_told        ? config_hash(configuration)
+                                            : std::string();
   RunEvents events;
   const std::unique_ptr<Recorder> recorder =
       make_recorder(configuration, options, hash, failures, events);
@@ -282,8 +293,15 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
       return stream->add_wire(wire, kind);
     });
   }
-  auto rig = std::make_unique<Rig>(wired, io, truth_files(wired, options, failures), &log,
-                                   OwnEnds{}, recorder.get());
+  if (shown != nullptr) {
+    shown->join(*recorder);
+  }
+  auto rig = std::make_unique<Rig>(
+      wired, io, shown != nullptr ? TruthFiles{} : truth_files(wired, options, failures), &log,
+      shown != nullptr ? shown->own_ends() : OwnEnds{}, recorder.get());
+  if (shown != nullptr) {
+    shown->add_clients(*rig);
+  }
   log.inform([&events, &rig](LogLevel level, std::string_view text) {
     events.tell(rig->executive().reached(), EventKind::notice, level, "", std::string(text));
   });
@@ -311,7 +329,8 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   }
   std::optional<Dashboard> dashboard;
   if (stream) {
-    dashboard.emplace(io, *stream, *rig, wired, options.duration);
+    dashboard.emplace(io, *stream, *rig, wired,
+                      shown != nullptr ? std::optional(shown->end() - kStart) : options.duration);
     events.inform_stream([&stream](const RunEvent& event) { stream->tell(event); });
   }
   std::optional<Desk> desk;
@@ -322,15 +341,19 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   if (options.control || dashboard) {
     desk.emplace(
         io, rig->executive(),
-        GovernedRun{configuration.name, configuration.seed, hash, options.clock,
-                    rig->truth().state_quantities(), [&rig] { return rig->status(); },
-                    rig->faults(),
-                    [&rig, &configuration, &hash, &options, kept_awake] {
-                      return to_prometheus(report_of(*rig, configuration, hash, options,
-                                                     rig->executive().outcome(), kept_awake));
-                    },
-                    &events, recorder.get(), &rig->hand(), &rig->settings(),
-                    isolated ? isolated->folder : std::filesystem::current_path()});
+        GovernedRun{
+            configuration.name, configuration.seed, hash, options.clock,
+            rig->truth().state_quantities(), [&rig] { return rig->status(); }, rig->faults(),
+            [&rig, &configuration, &hash, &options, kept_awake] {
+              return to_prometheus(report_of(*rig, configuration, hash, options,
+                                             rig->executive().outcome(), kept_awake));
+            },
+            &events, shown != nullptr ? nullptr : recorder.get(), &rig->hand(), &rig->settings(),
+            shown, isolated ? isolated->folder : std::filesystem::current_path()});
+  }
+  if (shown != nullptr) {
+    shown->govern(*desk, [&log](const std::string& what) { log.warning(what); });
+    shown->steer(*desk, io, [&stream] { return stream->viewers().anything_wanted(); });
   }
   if (dashboard) {
     dashboard->serve(*desk);
@@ -345,8 +368,11 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   }
   if (dashboard) {
     const bool own = !options.control || !options.control->path.empty();
-    page = own ? &page_server.emplace(viewers_io, ControlEndpoint{}, token, *desk, &*dashboard)
-               : &*server;
+    page =
+        own ? &page_server.emplace(viewers_io, options.page, token, *desk, &*dashboard) : &*server;
+    if (shown != nullptr) {
+      shown->served_at(page->address());
+    }
     log.info("dashboard at " + page->page_address());
   }
   std::optional<BackgroundThread> viewers_thread;

@@ -20,6 +20,8 @@
 
 namespace rigwire::hil {
 
+class Rerun;
+
 /// A run as somebody sees it who looks on.
 struct RunView {
   RunLog& log;
@@ -70,6 +72,7 @@ struct RunOptions {
   /// A page that shows what happens (hil/control/dashboard.h), at the control's port; without one
   /// at a port of its own.
   bool dashboard = false;
+  ControlEndpoint page;  ///< That one.
   /// Is written a line of JSON, and closed, when every wire is open: `control` and `token` of the
   /// control server, `dashboard` where there is one, and the wire of each device by its name.
   std::optional<int> ready_descriptor;
@@ -77,6 +80,9 @@ struct RunOptions {
   /// run.json there when it is ready. Empty: the rig's.
   std::string isolated_folder;
   MakeOnlooker onlooker;  ///< May be empty.
+  /// The recording that is shown, of whose configuration() this is a run; null: it is a run of its
+  /// own. With a page, a clock that follows the wall's and no duration, files or folders.
+  Rerun* shown = nullptr;
   /// Of the configuration, for what the start is refused by; may be null.
   const Origins* origins = nullptr;
 };

@@ -1,16 +1,17 @@
 // What happened, newest first, from the run's list of events (docs/control.md, "Events"). A click on
-// an instant moves the plots there.
+// an instant moves the plots there, and a recording.
 
 const MOST_ROWS = 500;
 const RETRY_MS = 1000;
 
 export class Events {
-  // `tell(event)` is called for each, too.
-  constructor(run, rows, plots, tell) {
+  // `tell(event)` is called for each, too; `show(time_s)` for the one that is clicked.
+  constructor(run, rows, plots, show, tell) {
     this.run = run;
     this.tell = tell;
     this.rows = rows;
     this.plots = plots;
+    this.show = show;
     this.last = 0;
     run.addEventListener("open", () => this.follow());
   }
@@ -39,8 +40,8 @@ export class Events {
     const instant = document.createElement("button");
     instant.type = "button";
     instant.textContent = time_s.toFixed(3);
-    instant.title = "shows it in the plots";
-    instant.addEventListener("click", () => this.plots.showAt(time_s));
+    instant.title = "goes there";
+    instant.addEventListener("click", () => this.show(time_s));
     row.insertCell().append(instant);
     row.cells[0].className = "number";
     for (const value of [kind, where, text]) row.insertCell().textContent = value;

@@ -3,7 +3,9 @@
 import { Buses } from "/page/buses.js";
 import { Events } from "/page/events.js";
 import { Hands } from "/page/hands.js";
+import { keepChoice } from "/page/kept.js";
 import { Plots } from "/page/plots.js";
+import { Recording } from "/page/recording.js";
 import { Registers } from "/page/registers.js";
 import { Run } from "/page/run.js";
 import { Sensors } from "/page/sensors.js";
@@ -13,6 +15,7 @@ import { Wires } from "/page/wires.js";
 
 const part = (id) => document.getElementById(id);
 const run = new Run();
+for (const id of ["camera", "colour", "show-axes", "show-cameras", "show-satellites", "plot-span"]) keepChoice(part(id));
 
 const connection = part("connection");
 run.addEventListener("open", ({ detail }) => {
@@ -91,11 +94,16 @@ const plots = new Plots(run, {
   span: part("plot-span"),
   csv: part("plot-csv"),
 });
-const timeLine = new TimeLine(run, part("time-line"), part("time-line-words"), plots, (id) => hands.endFault(id));
-const events = new Events(run, part("event-rows"), plots, (event, bad) => {
+const show = (time_s) => {
+  plots.showAt(time_s);
+  recording.goTo(time_s);
+};
+const timeLine = new TimeLine(run, part("time-line"), part("time-line-words"), show, (id) => hands.endFault(id));
+const events = new Events(run, part("event-rows"), plots, show, (event, bad) => {
   timeLine.add(event.time_ns * 1e-9, event.kind, event.where, event.text, bad);
   hands.note(event);
 });
+const recording = new Recording(run, { scrub: part("scrub"), time: part("scrub-time"), words: part("scrub-words") }, timeLine);
 let view = null;
 let sensors = null;
 try {
@@ -110,4 +118,4 @@ try {
 }
 
 // For whoever looks at the page with a program, and with the browser's own console.
-window.rigwire = { run, view, sensors, wires, buses, registers, events, timeLine, hands, plots };
+window.rigwire = { run, view, sensors, wires, buses, registers, events, timeLine, recording, hands, plots };

@@ -2,6 +2,7 @@
 // time, with what happened as lines across and faults as bands. The wheel changes the span, Hold keeps the picture, CSV
 // has what is kept.
 
+import { keep, kept } from "/page/kept.js";
 import { Chart, registerables } from "/lib/chart.js/chart.mjs";
 
 Chart.register(...registerables);
@@ -22,12 +23,12 @@ function eachNumber(value, path, use) {
 export class Plots {
   constructor(run, parts) {
     this.parts = parts;
-    this.lines = new Map(); // quantity -> samples {x, y}
+    this.lines = new Map(kept("plots", []).map((quantity) => [quantity, []])); // quantity -> samples {x, y}
     this.known = new Set();
     this.marks = []; // {x, text, bad}
     this.bands = []; // {begin, end, text}; end null: it acts on
     this.heldAt_s = null; // the picture's end, while it is held
-    this.span_s = 30;
+    this.span_s = Number(parts.span.value);
     this.last_s = 0;
     this.start_ns = null;
     run.addEventListener("open", () => (this.start_ns = null));
@@ -78,7 +79,10 @@ export class Plots {
     parts.quantity.addEventListener("keydown", (event) => {
       if (event.key === "Enter") this.add(parts.quantity.value.trim());
     });
-    parts.clear.addEventListener("click", () => this.lines.clear());
+    parts.clear.addEventListener("click", () => {
+      this.lines.clear();
+      keep("plots", []);
+    });
     parts.hold.addEventListener("click", () => {
       this.hold(this.heldAt_s === null ? this.last_s : null);
     });
@@ -185,7 +189,9 @@ export class Plots {
   }
 
   add(quantity) {
-    if (this.known.has(quantity) && !this.lines.has(quantity)) this.lines.set(quantity, []);
+    if (!this.known.has(quantity) || this.lines.has(quantity)) return;
+    this.lines.set(quantity, []);
+    keep("plots", [...this.lines.keys()]);
   }
 
   draw() {

@@ -4,6 +4,8 @@
 import { cdrReader } from "/page/cdr.js";
 
 const SUBPROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
+// After a loss: soon at first, since a recording that is sent back is away for a moment.
+const FIRST_RETRY_MS = 200;
 const RETRY_MS = 1000;
 
 // Opcodes of the server's binary frames (protocols/foxglove/frames.h).
@@ -21,6 +23,7 @@ export class Run extends EventTarget {
     this.assets = new Map(); // request -> {resolve, reject}
     this.nextId = 1;
     this.text = new TextDecoder();
+    this.retry_ms = RETRY_MS;
     this.connect();
   }
 
@@ -70,7 +73,8 @@ export class Run extends EventTarget {
       for (const { reject } of this.assets.values()) reject(new Error("the connection was lost"));
       this.assets.clear();
       this.tell("lost");
-      setTimeout(() => this.connect(), RETRY_MS);
+      setTimeout(() => this.connect(), this.retry_ms);
+      this.retry_ms = RETRY_MS;
     };
     this.socket = socket;
   }
@@ -79,8 +83,14 @@ export class Run extends EventTarget {
     switch (message.op) {
       case "serverInfo":
         // Another run at the same address is another world: everything is drawn anew.
-        if (this.session && this.session !== message.sessionId) location.reload();
+        if (this.session && this.session !== message.sessionId) {
+          this.socket.onmessage = this.socket.onclose = null;
+          this.socket.close();
+          location.reload();
+          return;
+        }
         this.session = message.sessionId;
+        this.retry_ms = FIRST_RETRY_MS;
         this.tell("open", message);
         break;
       case "advertise":

@@ -1,9 +1,10 @@
-// The run as a line from its start until now: faults as bands, everything else that happened as a
-// mark in the lane of its kind. A click moves the plots there; the arrow keys go from one to the next.
+// The run as a line from its start until now, a recording's until its end: faults as bands,
+// everything else that happened as a mark in the lane of its kind. A click moves the plots there, and
+// a recording; the arrow keys go from one to the next.
 
 const SVG = "http://www.w3.org/2000/svg";
 const LANES = [
-  ["faults", []], // bands
+  ["faults", ["fault_begun"]], // those to come; then they are bands
   ["run", ["slipped", "impatient", "notice", "recording_began", "recording_ended"]],
   ["contacts", ["contact_begun", "contact_ended"]],
   ["clients", ["client_came", "client_left"]],
@@ -22,16 +23,17 @@ const element = (name, attributes, parent) => {
 };
 
 export class TimeLine {
-  // `end(fault)` ends it.
-  constructor(run, svg, words, plots, end) {
+  // `show(time_s)` is told the instant of the mark that is chosen; `end(fault)` ends it.
+  constructor(run, svg, words, show, end) {
     this.svg = svg;
     this.words = words;
-    this.plots = plots;
+    this.show = show;
     this.end = end;
     this.marks = []; // {time_s, kind, where, text, bad}
     this.faults = [];
     this.chosen = null; // of the marks
     this.now_s = 0;
+    this.end_s = null; // of a recording
     LANES.forEach(([name], lane) => {
       element("text", { x: 0, y: LANE_PX * (lane + 0.75), class: "lane" }, svg).textContent = name;
     });
@@ -44,9 +46,16 @@ export class TimeLine {
   }
 
   add(time_s, kind, where, text, bad) {
-    if (kind.startsWith("fault_")) return; // its band tells
+    if (kind.startsWith("fault_") || this.end_s !== null) return; // its band tells, the recording does
     this.marks.push({ time_s, kind, where, text, bad });
     if (this.marks.length > MOST_MARKS) this.marks.shift();
+  }
+
+  // All that happens in a recording, until its end.
+  showRecorded(end_s, marks) {
+    this.end_s = end_s;
+    this.marks = marks.slice(0, MOST_MARKS);
+    this.draw();
   }
 
   showFaults(faults, now_s) {
@@ -58,23 +67,28 @@ export class TimeLine {
   // From simulated time to pixels.
   place(time_s) {
     const width = this.svg.clientWidth - LABEL_PX - 24;
-    return LABEL_PX + (width * time_s) / Math.max(this.now_s, 1);
+    return LABEL_PX + (width * time_s) / (this.end_s ?? Math.max(this.now_s, 1));
   }
 
   draw() {
     const made = document.createDocumentFragment();
     LANES.forEach(([, kinds], lane) => {
       const y = LANE_PX * lane;
-      element("line", { x1: LABEL_PX, x2: this.place(this.now_s), y1: y + LANE_PX / 2, y2: y + LANE_PX / 2 }, made);
+      element("line", { x1: LABEL_PX, x2: this.place(this.end_s ?? this.now_s), y1: y + LANE_PX / 2, y2: y + LANE_PX / 2 }, made);
       for (const mark of this.marks) {
-        if (!kinds.includes(mark.kind)) continue;
+        const isToCome = mark.time_s > this.now_s;
+        if (!kinds.includes(mark.kind) || (mark.kind === "fault_begun" && !isToCome)) continue;
         const dot = element("circle", { cx: this.place(mark.time_s), cy: y + LANE_PX / 2, r: mark === this.chosen ? 6 : 4 }, made);
-        dot.setAttribute("class", mark.bad ? "bad" : "");
+        dot.setAttribute("class", `${mark.bad ? "bad" : ""} ${isToCome ? "to-come" : ""}`);
         dot.mark = mark;
         element("title", {}, dot).textContent = this.describe(mark);
       }
     });
     for (const fault of this.faults) this.drawFault(fault, made);
+    if (this.end_s !== null) {
+      const x = this.place(this.now_s);
+      element("line", { x1: x, x2: x, y1: 0, y2: LANE_PX * LANES.length, class: "now" }, made);
+    }
     this.content.replaceChildren(made);
   }
 
@@ -106,7 +120,7 @@ export class TimeLine {
   choose(mark) {
     this.chosen = mark;
     this.words.textContent = this.describe(mark);
-    this.plots.showAt(mark.time_s);
+    this.show(mark.time_s);
     this.draw();
   }
 

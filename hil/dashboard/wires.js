@@ -1,6 +1,7 @@
 // The table of wires: each device against what it should do, how late one of them is, the messages of one
 // wire live, and one of them with its fields, each of which marks its bytes when it is pointed at.
 
+import { keep, kept } from "/page/kept.js";
 import { drawLateness } from "/page/lateness.js";
 
 const MOST_MESSAGES = 60;
@@ -81,9 +82,10 @@ export class Wires {
 
   offer() {
     const names = [...this.run.topics.keys()].filter((topic) => topic.startsWith("/wire/"));
-    const chosen = this.choice.value;
+    const chosen = this.choice.value || kept("wire", "");
     this.choice.replaceChildren(new Option("–", ""), ...names.map((topic) => new Option(topic.slice(6), topic)));
     this.choice.value = names.includes(chosen) ? chosen : "";
+    if (!this.end && this.choice.value) this.watch();
   }
 
   // A device on a shared wire is on the one that its address names.
@@ -98,6 +100,7 @@ export class Wires {
   }
 
   watch() {
+    keep("wire", this.choice.value);
     this.end?.();
     this.list.replaceChildren();
     this.pick(null);

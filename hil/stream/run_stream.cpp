@@ -186,13 +186,26 @@ class RunStream::Truth final : public TruthObserver {
       : stream_(stream), messages_(stream.run_.start_unix_ns, calendar, fields, links) {}
 
   void record(const TruthRecord& record) override {
-    messages_.tell(
-        record, [this](TruthTrack track) { return stream_.viewers_.wanted(channel(track)); },
-        [this](TruthTrack track, SimTime at, std::string_view text) {
-          stream_.ahead_->tell(at, [this, id = channel(track), at, text = std::string(text)] {
-            stream_.viewers_.put(id, stream_.unix_ns(at), text);
+    stream_.ahead_->tell(record.time, [this, record] {
+      newest_ = record;
+      messages_.tell(
+          record, [this](TruthTrack track) { return stream_.viewers_.wanted(channel(track)); },
+          [this](TruthTrack track, SimTime at, std::string_view text) {
+            stream_.viewers_.put(channel(track), stream_.unix_ns(at), text);
           });
-        });
+    });
+  }
+  /// On the thread of the viewers: where time stands. Empty before there is any.
+  [[nodiscard]] StreamChannel::First newest(TruthTrack wanted) {
+    StreamChannel::First first{std::string()};
+    if (newest_) {
+      messages_.tell(
+          *newest_, [wanted](TruthTrack track) { return track == wanted; },
+          [&](TruthTrack, SimTime at, std::string_view text) {
+            first = {std::string(text), stream_.unix_ns(at)};
+          });
+    }
+    return first;
   }
 
  private:
@@ -200,7 +213,9 @@ class RunStream::Truth final : public TruthObserver {
     return stream_.tracks_[static_cast<std::size_t>(track)];
   }
   RunStream& stream_;
+  // Of the thread of the viewers.
   TruthMessages messages_;
+  std::optional<TruthRecord> newest_;
 };
 
 /// Of what passes on a wire, for the decoder.
@@ -524,8 +539,11 @@ RunStream::RunStream(boost::asio::io_context& io, StreamedRun run)
   for (const TruthTrack track : {TruthTrack::truth, TruthTrack::transforms, TruthTrack::location,
                                  TruthTrack::events, TruthTrack::motion, TruthTrack::joints}) {
     const ChannelRow& row = rows[static_cast<std::size_t>(track)];
-    tracks_[static_cast<std::size_t>(track)] =
-        viewers_.add({std::string(row.topic), "json", std::string(row.schema_name), row.schema});
+    tracks_[static_cast<std::size_t>(track)] = viewers_.add(
+        {std::string(row.topic), "json", std::string(row.schema_name), row.schema, 32,
+         [this, track] {
+           return truth_ != nullptr ? truth_->newest(track) : StreamChannel::First{std::string()};
+         }});
   }
   scene_channel_ = viewers_.add({"/scene", "json", "foxglove.SceneUpdate", SceneModel::schema(), 64,
                                  [this] { return scene_ ? scene_->whole() : std::string(); }});
@@ -547,7 +565,9 @@ WireTap& RunStream::add_wire(const std::string& name, WireKind kind) {
 std::unique_ptr<TruthObserver> RunStream::truth_observer(const Calendar& calendar,
                                                          std::span<const sim::TruthField> fields,
                                                          std::span<const std::string_view> links) {
-  return std::make_unique<Truth>(*this, calendar, fields, links);
+  auto truth = std::make_unique<Truth>(*this, calendar, fields, links);
+  truth_ = truth.get();
+  return truth;
 }
 
 std::unique_ptr<WorldSensor> RunStream::world_view(const sim::Scene& scene, std::size_t links) {

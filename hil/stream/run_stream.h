@@ -24,6 +24,9 @@
 //   /registers/NAME                       rigwire.Registers: what is known of those of a Modbus
 //                                         line (hil/stream/modbus_reader.h)
 //
+// Who subscribes to the truth is told first what it was last, so that a run whose time stands is
+// seen.
+//
 // Threads. Viewers, and all that is made for them, are on the thread of the stream's io_context,
 // which may be nicer than the run. It looks from time to time at what the others have put down, and
 // none of them wakes it: of the truth, told ahead of the wires, what has had its instant; of wires
@@ -136,6 +139,7 @@ class RunStream {
   std::function<SimTime()> now_ = [] { return kStart; };
   std::unique_ptr<Ahead> ahead_;
   std::array<Viewers::ChannelId, kTruthTracks> tracks_{};
+  Truth* truth_ = nullptr;  ///< Of the world, once there is one.
   Viewers::ChannelId scene_channel_ = 0;
   std::optional<SceneModel> scene_;
   Viewers::ChannelId air_channel_ = 0;

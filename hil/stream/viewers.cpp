@@ -265,7 +265,9 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
     Channel& subscribed = all_->channels_[*channel];
     ++subscribed.subscribers;
     if (subscribed.about.first) {
-      answer(foxglove::message_frame(*id, 0, subscribed.about.first()));
+      if (const auto first = subscribed.about.first(); !first.payload.empty()) {
+        answer(foxglove::message_frame(*id, first.time_ns, first.payload));
+      }
     }
   }
 

@@ -12,6 +12,7 @@
 // Source: foxglove/ws-protocol, docs/spec.md; protocols/foxglove/frames.h has its binary frames.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <deque>
@@ -20,6 +21,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "drivers/http_server.h"
@@ -28,13 +30,20 @@
 namespace rigwire::hil {
 
 struct StreamChannel {
+  struct First {
+    // NOLINTNEXTLINE(google-explicit-constructor): it is a text, most have no instant.
+    First(std::string text, std::uint64_t time = 0) : payload(std::move(text)), time_ns(time) {}
+    std::string payload;
+    std::uint64_t time_ns;
+  };
+
   std::string topic;
   std::string encoding = "json";
   std::string schema_name;
   std::string schema;
   std::size_t depth = 32;
   /// What who subscribes is told first; empty: nothing.
-  std::function<std::string()> first{};
+  std::function<First()> first{};
   std::string schema_encoding = "jsonschema";
 };
 
@@ -98,6 +107,12 @@ class Viewers {
   /// Whether anybody has subscribed. From any thread.
   [[nodiscard]] bool wanted(ChannelId channel) const {
     return channels_[channel].subscribers.load(std::memory_order_relaxed) != 0;
+  }
+  /// The same of any channel.
+  [[nodiscard]] bool anything_wanted() const {
+    return std::ranges::any_of(channels_, [](const Channel& channel) {
+      return channel.subscribers.load(std::memory_order_relaxed) != 0;
+    });
   }
   void put(ChannelId channel, std::uint64_t time_ns, std::string_view payload);
   /// The present time, and what was dropped meanwhile.

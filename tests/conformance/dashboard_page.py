@@ -63,8 +63,12 @@ class Rig:
              "--status", "none", "--duration", duration, *options], stderr=open(scratch / f"{folder}.log", "w"))
         eventually("the run is ready", (self.folder / "run.json").exists)
         eventually("all of it is told", lambda: (self.folder / "run.json").read_text().endswith("\n"))
-        self.told = json.loads((self.folder / "run.json").read_text())
-        self.page = self.told["dashboard"]
+        self.take(json.loads((self.folder / "run.json").read_text()))
+
+    def take(self, told):
+        """What it tells when every wire is open."""
+        self.told = told
+        self.page = told["dashboard"]
         self.base, self.token = self.page.split("/#")
         self.port = int(self.base.rsplit(":", 1)[1])
 
@@ -90,6 +94,25 @@ class Rig:
 
     def wire(self, device):
         return self.told["devices"][device]
+
+
+class ShownRecording(Rig):
+    def __init__(self, recording, options=()):
+        ready, told = os.pipe()
+        self.process = subprocess.Popen(
+            [binaries / "rigwire", "replay", recording, "--dashboard", "--ready-fd", str(told), *options],
+            stderr=open(scratch / "shown.log", "w"), pass_fds=[told])
+        os.close(told)
+        with os.fdopen(ready) as line:
+            self.take(json.loads(line.read()))
+
+    def state(self):
+        """Empty while it begins anew."""
+        with contextlib.suppress(OSError):  # nobody is there
+            status, text, _ = self.request("/state", headers={"Authorization": f"Bearer {self.token}"})
+            if status != 410:  # it has ended
+                return json.loads(text)
+        return {}
 
 
 class Viewer:
@@ -803,6 +826,180 @@ def a_viewer_at_the_end_has_the_last_of_it(rig, browser):
         ended.end()
 
 
+def a_recording_goes_to_any_instant(rig, browser):
+    """Time stands between its clients' acts, so that the recorded run and the shown one are the same."""
+    taken = Rig(folder="taken", options=("--clock", "step", "--record", scratch / "recording"))
+    try:
+        taken.command("run_until", time=1)
+        taken.command("set", set={"boom": 0.5})
+        taken.command("run_until", time=2)
+        early = taken.command("read")
+        taken.command("run_until", time=3.5)
+        taken.command("fault_add", on="gnss", fault={"type": "outage", "for": "1 s"})
+        taken.command("run_until", time=5)
+        late = taken.command("read")
+        taken.command("run_until", time=6)
+    finally:
+        taken.end()
+
+    shown = ShownRecording(scratch / "recording", ("--clock", "scaled:0.1"))
+    second = open_browser(shown.page)
+
+    def stands_at(read):
+        state = shown.state()
+        return state.get("paused") and state["time_ns"] == read["time_ns"]
+
+    def seeks(time_s):
+        second.execute_script("""
+            const slider = document.getElementById("scrub-time");
+            slider.value = arguments[0];
+            slider.dispatchEvent(new Event("input"));
+            slider.dispatchEvent(new Event("change"));""", time_s)
+
+    def says():
+        return value(second, "document.getElementById('scrub-words').textContent")
+
+    try:
+        eventually("it is seen", lambda: is_drawn(second))
+        assert not second.find_element(By.ID, "fault").is_displayed()
+        assert not second.find_element(By.ID, "sticks").is_displayed()
+        second.execute_script("rigwire.plots.add('truth.position_m.0')")
+        second.find_element(By.ID, "pause").click()
+        eventually("it stands", lambda: shown.command("state")["paused"])
+
+        seeks(5)
+        eventually("time goes forward", lambda: stands_at(late))
+        assert shown.command("read")["machine"]["quantities"] == late["machine"]["quantities"]
+        assert shown.command("read")["devices"]["gnss"]["frames"] == late["devices"]["gnss"]["frames"]
+        eventually("the page says so", lambda: says() == "5.00 of 6.00 s")
+        eventually("the outage has its band", lambda: value(second, "document.querySelectorAll('#time-line .fault').length") == 1)
+        session = value(second, "rigwire.run.session")
+
+        seeks(2)
+        eventually("time goes back", lambda: stands_at(early))
+        assert shown.command("read")["machine"]["quantities"] == early["machine"]["quantities"]
+        eventually("the page has begun anew", lambda: value(second, "window.rigwire?.run.session") not in (None, session))
+        eventually("it is seen again", lambda: is_drawn(second))
+        eventually("the page says so", lambda: says() == "2.00 of 6.00 s")
+        assert value(second, "rigwire.plots.lines.has('truth.position_m.0')"), "the plots are those of before"
+
+        # What is to come is on the time line, and a click goes there.
+        eventually("the outage is to come", lambda: click_if_there(second, "#time-line .to-come"))
+        eventually("time goes there", lambda: shown.state().get("time_ns", 0) >= 3_500_000_000)
+        begun_s = shown.command("state")["time_ns"] * 1e-9
+        assert 3.5 <= begun_s < 3.6, begun_s
+        assert abs(value(second, "rigwire.plots.heldAt_s - rigwire.plots.span_s / 2") - begun_s) < 1e-3
+
+        # Nobody changes what has been, and it ends where it ended.
+        status, text, _ = shown.request("/command", json.dumps({"verb": "set", "set": {"boom": 1}}).encode(),
+                                        {"Authorization": f"Bearer {shown.token}"})
+        assert status == 409 and "nobody changes it" in text, text
+        shown.command("speed", factor=2)
+        eventually("the page knows that it stands", lambda: second.find_element(By.ID, "pause").text == "Go on")
+        second.find_element(By.ID, "pause").click()
+        eventually("it is played to its end", lambda: shown.state().get("time_ns") == 6_000_000_000 and shown.state().get("paused"))
+    finally:
+        second.quit()
+        shown.end()
+
+
+def a_run_that_is_started_again_is_found_again(rig, browser):
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    os.environ["RIGWIRE_CONTROL_TOKEN"] = "0123456789abcdef"
+    second = None
+    run = None
+    try:
+        options = ("--control", f"127.0.0.1:{port}")
+        run = Rig(folder="started", options=options)
+        second = open_browser(run.page)
+        eventually("it is seen", lambda: is_drawn(second))
+        second.execute_script("rigwire.plots.add('truth.position_m.0')")
+        Select(second.find_element(By.ID, "camera")).select_by_value("top")
+        session = value(second, "rigwire.run.session")
+        run.process.kill()
+        run.process.wait(PATIENCE_S)
+        eventually("the page says that it is gone", lambda: "no connection" in second.find_element(By.ID, "connection").text)
+        run = Rig(folder="started_again", options=options)
+        eventually("another run is there", lambda: value(second, "window.rigwire?.run.session") not in (None, session))
+        eventually("it is seen", lambda: is_drawn(second))
+        assert second.find_element(By.ID, "connection").text == "connected"
+        assert second.find_element(By.ID, "camera").get_property("value") == "top"
+        assert value(second, "rigwire.plots.lines.has('truth.position_m.0')")
+    finally:
+        del os.environ["RIGWIRE_CONTROL_TOKEN"]
+        if second:
+            second.quit()
+        if run:
+            run.end()
+
+
+def a_thousand_connections_take_nothing_from_the_wires(rig, browser):
+    def open_files():
+        return len(os.listdir(f"/proc/{rig.process.pid}/fd"))
+
+    before = rig.command("read")
+    files = open_files()
+    crowd = []
+    try:
+        for number in range(1000):
+            one = socket.create_connection(("127.0.0.1", rig.port), PATIENCE_S)
+            crowd.append(one)
+            if number % 2:
+                with contextlib.suppress(OSError):  # it may have been refused already
+                    one.sendall(b"GET /stream HTTP/1.1\r\nHost: 127.0.0.1\r\n")
+        time.sleep(1)
+        most = open_files()
+        assert most < files + 100, f"{files} open files before, {most} with a thousand connections"
+        transforms = value(browser, "rigwire.view.count.transforms")
+        eventually("the page that was there sees on", lambda: value(browser, "rigwire.view.count.transforms") > transforms + 20)
+    finally:
+        for one in crowd:
+            one.close()
+
+    def serves():
+        with contextlib.suppress(OSError, AssertionError):
+            return rig.command("read")
+        return None
+    after = eventually("it serves again", serves)
+    for name, device in after["devices"].items():
+        assert device["dropped"] == before["devices"][name]["dropped"], name
+    assert after["slipped_s"] == before["slipped_s"] or after["slipped_s"] < before["slipped_s"] + 0.5
+    eventually("nothing of them is left", lambda: open_files() <= files + 2)
+
+
+def what_others_have_named_is_text(rig, browser):
+    script = "<script>window.broken = 1</script>"
+    image = "<img src=x onerror='window.broken=1'>"
+    named = scratch / "named.yaml"
+    pit = pathlib.Path(__file__).parents[2] / "configs/rigs/excavator_pit.yaml"
+    named.write_text(f'include: {pit}\nname: "{script}"\n')
+    run = Rig(named, folder="named")
+    second = open_browser(run.page)
+    try:
+        eventually("it is seen", lambda: is_drawn(second))
+        assert second.find_element(By.ID, "rig").text == script
+        Select(second.find_element(By.ID, "wire")).select_by_value("/wire/gnss")
+        with open(run.wire("gnss").split()[0], "wb", buffering=0) as line:
+            eventually("a client's bytes are told", lambda: line.write(image.encode() + b"\r\n")
+                       and "client" in value(second, "[...document.querySelectorAll('#messages li')].map(li => li.className).join()"))
+        status, _, _ = run.request("/command", json.dumps({"verb": "set", "on": image, "set": {script: 1}}).encode(),
+                                   {"Authorization": f"Bearer {run.token}"})
+        assert status == 400
+        eventually("the refusal is told", lambda: "refused" in second.find_element(By.ID, "event-rows").text)
+        assert value(second, "window.broken") is None
+        assert value(second, "document.querySelectorAll('main img, main script').length") == 0
+        nothing_is_complained_of(run, second)
+    finally:
+        second.quit()
+        run.end()
+    # A device cannot be called so.
+    named.write_text(f'include: {pit}\ndevices:\n  "{script}":\n    type: ublox-neo-m8\n')
+    refused = subprocess.run([binaries / "rigwire", "check", named], capture_output=True, text=True)
+    assert refused.returncode == 2 and "not a name" in refused.stderr, refused
+
+
 def metrics_are_as_prometheus_wants_them(rig, browser):
     status, text, _ = rig.request("/metrics", headers={"Authorization": f"Bearer {rig.token}"})
     assert status == 200 and "rigwire" in text
@@ -849,6 +1046,8 @@ GROUPS = {
               a_mark_on_the_time_line_moves_the_plots],
     "looks": [nothing_is_complained_of, nothing_is_clipped, light_and_dark_can_both_be_read,
               keys_reach_everything],
+    "recorded": [a_recording_goes_to_any_instant, a_run_that_is_started_again_is_found_again,
+                 a_thousand_connections_take_nothing_from_the_wires, what_others_have_named_is_text],
     "lasting": [nothing_is_complained_of, a_transport_bar_seeks_forward_where_time_steps,
                 a_viewer_at_the_end_has_the_last_of_it,
                 metrics_are_as_prometheus_wants_them, foxgloves_own_client_hears_it,

@@ -40,7 +40,7 @@ TEST_P(DashboardPage, ShowsInChromiumWhatTheWiresAndTheReportSay) {
 
 constexpr auto kName = [](const auto& of) { return std::string(of.param); };
 INSTANTIATE_TEST_SUITE_P(Groups, DashboardPage,
-                         testing::Values("page", "wires", "looks", "lasting"), kName);
+                         testing::Values("page", "wires", "looks", "recorded", "lasting"), kName);
 
 class DashboardOf : public testing::TestWithParam<const char*> {};
 

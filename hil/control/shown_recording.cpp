@@ -1,0 +1,57 @@
+#include "hil/control/shown_recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "fields/visitor.h"
+#include "hil/control/rerun.h"
+#include "hil/record/run_log.h"
+
+namespace rigwire::hil {
+
+int show_recording(const std::filesystem::path& folder, RunOptions options, SimTime from) {
+  options.dashboard = true;
+  if (options.control_token.empty()) {
+    options.control_token = fresh_token();
+  }
+  Rerun::Course course{.from = from, .factor = options.clock.factor};
+  for (bool first = true;; first = false) {
+    Rerun rerun(folder);
+    if (from > rerun.end()) {
+      throw std::invalid_argument(
+          fmt::format("--from: found {}, allowed up to the recording's end at {}",
+                      fields::print_duration((from - kStart).count()),
+                      fields::print_duration((rerun.end() - kStart).count())));
+    }
+    if (first) {
+      RunLog log(options.log_level);
+      for (const std::string& remark : rerun.remarks()) {
+        log.warning(remark);
+      }
+    }
+    rerun.show(course);
+    options.shown = &rerun;
+    options.clock = {course.factor == 1.0 ? ClockMode::Kind::real : ClockMode::Kind::scaled,
+                     course.factor};
+    const int code = run(rerun.configuration(), options);
+    if (!rerun.again() || code != static_cast<int>(ExitCode::done)) {
+      return code;
+    }
+    course = *rerun.again();
+    // Where viewers will look for it again.
+    const auto here = parse_control_endpoint(rerun.address());
+    options.page = here.value_or(options.page);
+    if (options.control && options.control->path.empty()) {
+      options.control = options.page;
+    }
+    // Both were told.
+    options.ready_descriptor.reset();
+    options.log_level = std::max(options.log_level, LogLevel::warning);
+  }
+}
+
+}  // namespace rigwire::hil

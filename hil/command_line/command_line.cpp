@@ -353,7 +353,7 @@ void declare(CLI::App& app, Parsed& parsed) {
   log_level(replay_app);
   replay_app->footer(
       "\nExamples:\n  rigwire replay /tmp/dig --verify\n"
-      "  rigwire replay /tmp/dig --dashboard --from 20s\n"
+      "  rigwire replay /tmp/dig --dashboard --from 12s\n"
       "  rigwire replay /tmp/dig --loop");
 
   CLI::App* check_app = app.add_subcommand("check", "Check a rig; every finding in one pass");
@@ -807,7 +807,8 @@ int dispatch_replay(const Parsed& parsed, Terminal terminal) {
   }
   const bool plays = parsed.loop || !(parsed.to + parsed.speed).empty();
   const bool governed = !parsed.control.empty() || parsed.ready_fd;
-  const bool all_else = plays || !parsed.from.empty() || parsed.dashboard || governed;
+  const bool all_else = plays || !parsed.from.empty() || parsed.dashboard || governed ||
+                        parsed.clock != Parsed{}.clock;
   if (parsed.verify ? all_else : parsed.json || (parsed.dashboard ? plays : governed)) {
     return usage(
         "replay: allowed either --verify with --json, or --dashboard with --clock, --from, "

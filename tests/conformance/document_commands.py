@@ -72,6 +72,8 @@ COMMANDS = [
     (r"rigwire replay /tmp/rigwire/dig --verify", "ends", None, "equal"),
     (r"rigwire run excavator_pit --set machine\.motion\.file=\S+ --clock free --duration 4s", "ends", None,
      None),
+    (r"rigwire replay /tmp/rigwire/dig --dashboard", "goes on", None, None),
+    (r"rigwire replay /tmp/rigwire/dig --dashboard --control .*", "goes on", None, None),
     (r"rigwire replay /tmp/rigwire/dig --from 1s --to 4s", "ends", None, None),
     (r"rigwire run excavator_pit --isolated \S+", "goes on", None, None),
     (r"rigwire run excavator_pit --dashboard", "goes on", None, None),

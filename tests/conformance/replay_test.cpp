@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -152,6 +153,53 @@ TEST_F(ReplayedRig, PlayedOnItsWiresGivesClientsTheSameBytes) {
   EXPECT_EQ(listener.wait(60s), 0) << listener.output();
   EXPECT_THAT(listener.output(), HasSubstr("line True lidar True 0")) << replay.output();
   EXPECT_EQ(replay.wait(30s), 0) << replay.output();
+}
+
+TEST_F(ReplayedRig, ShownGoesToAnyInstantAndIsTheSameThereEachTime) {
+  free_run();
+  const std::string control = "unix:" + folder("control").string();
+  ChildProcess replay({kProgram, "replay", folder("a").string(), "--dashboard", "--control",
+                       control, "--clock", "scaled:0.01", "--from", "300ms"},
+                      folder("replay.log"));
+  const auto ask = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> command{kProgram, "ctl", control};
+    command.insert(command.end(), words.begin(), words.end());
+    nlohmann::json told;
+    // While it begins anew nobody is there, or the run that has ended.
+    EXPECT_TRUE(eventually([&] {
+      ChildProcess ctl(command, folder("ctl.log"));
+      (void)ctl.wait(60s);
+      told = nlohmann::json::parse(ctl.output(), nullptr, false);
+      return told.is_object() && told.value("what", "") != "the run has ended";
+    })) << replay.output();
+    return told;
+  };
+  const auto is_at = [&](std::int64_t time_ns) {
+    return eventually([&] { return ask({"state"}).value("time_ns", -1) == time_ns; });
+  };
+  const auto machine = [&] { return ask({"read"})["machine"]; };
+
+  EXPECT_TRUE(eventually([&] { return ask({"state"}).value("time_ns", 0) >= 300'000'000; }));
+  EXPECT_EQ(ask({"pause"})["paused"], true);
+  EXPECT_EQ(ask({"state"})["recorded_end_ns"], 1'000'000'000);
+  EXPECT_EQ(ask({"seek", "time=600ms"})["time_ns"], 600'000'000);
+  const auto once = machine();
+  EXPECT_EQ(ask({"seek", "time=1s"})["paused"], true);
+  const auto at_end = machine();
+  EXPECT_NE(once, at_end);
+  EXPECT_EQ(ask({"resume"})["ok"], false);
+  EXPECT_EQ(ask({"step", "length=1ms"})["ok"], false);
+  EXPECT_EQ(ask({"seek", "time=600ms"})["ok"], true);
+  EXPECT_TRUE(is_at(600'000'000));
+  EXPECT_EQ(machine(), once);
+  EXPECT_EQ(ask({"seek", "time=0s"})["ok"], true);
+  EXPECT_TRUE(is_at(0));
+  EXPECT_EQ(ask({"seek", "time=1s"})["time_ns"], 1'000'000'000);
+  EXPECT_EQ(machine(), at_end);
+  EXPECT_THAT(ask({"seek", "time=2s"})["allowed"].get<std::string>(), HasSubstr("1 s"));
+  EXPECT_THAT(ask({"set", "boom=0.5"})["what"].get<std::string>(), HasSubstr("nobody changes it"));
+  EXPECT_EQ(ask({"stop"})["ok"], true);
+  EXPECT_EQ(replay.wait(20s), 0) << replay.output();
 }
 
 TEST_F(ReplayedRig, ThatIsNoRecordingCannotBeRun) {

@@ -114,6 +114,19 @@ TEST(CommandLine, mistyped_verb_or_option_is_usage_with_a_suggestion) {
   EXPECT_EQ(rigwire("run").code, 2);
 }
 
+TEST(CommandLine, options_of_a_replay_that_do_not_go_together_are_usage) {
+  for (const char* bad :
+       {"--verify --dashboard", "--verify --from 1s", "--verify --clock free", "--verify --loop",
+        "--verify --ready-fd 1", "--json", "--dashboard --loop", "--dashboard --speed 2",
+        "--dashboard --to 2s", "--dashboard --json", "--dashboard --clock free",
+        "--dashboard --clock step", "--dashboard --control nowhere", "--control unix:/tmp/control",
+        "--ready-fd 1", "--dashboard --from x"}) {
+    const Result result = rigwire(std::string("replay /tmp ") + bad);
+    EXPECT_EQ(result.code, 2) << bad << result.output;
+    EXPECT_THAT(result.output, HasSubstr("allowed")) << bad;
+  }
+}
+
 TEST(CommandLine, bad_option_values_are_usage) {
   for (const char* bad :
        {"--clock warp", "--log-level loud", "--clock scaled:0", "--duration -5s", "--duration 0",

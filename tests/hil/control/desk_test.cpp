@@ -103,6 +103,16 @@ TEST_F(DeskTest, TimeMovesWhenToldAndStandsWhereItWasSent) {
   EXPECT_EQ(outcome_.reached, kStart + 1'502'500'001ns);
 }
 
+TEST_F(DeskTest, ARunOfItsOwnIsSentNowhereItHasBeen) {
+  script({"{verb: run_until, time: 20 ms}", "{verb: seek, time: 10 ms}", "{verb: seek, time: 1 s}",
+          "{verb: state}"});
+  EXPECT_EQ(answer(1)["ok"], false);
+  EXPECT_THAT(answer(1)["what"].get<std::string>(), HasSubstr("cannot go back"));
+  EXPECT_THAT(answer(2)["allowed"].get<std::string>(), HasSubstr("run_until"));
+  EXPECT_EQ(answer(3)["time_ns"], 20'000'000);
+  EXPECT_EQ(answer(3)["recorded_end_ns"], nullptr);
+}
+
 TEST_F(DeskTest, WaitEndsWhereTheQuantityIsAndTimeStandsAsBefore) {
   script({"{verb: wait, quantity: angle, value: 0.25}", "{verb: read}",
           "{verb: wait, quantity: angle, value: 0.1, above: false, limit: 50 ms}",

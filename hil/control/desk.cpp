@@ -416,7 +416,8 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
   for (const FaultWindow& fault : status.faults) {
     faults.push_back(json_of(fault));
   }
-  done(answer, {{"machine", machine()},
+  done(answer, {{"clock", to_string(run_.clock)},
+                {"machine", machine()},
                 {"air", has_air() ? air() : Json(nullptr)},
                 {"devices", std::move(devices)},
                 {"buses", std::move(buses)},

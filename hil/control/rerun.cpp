@@ -22,19 +22,10 @@ namespace fs = std::filesystem;
 /// Who looks on is waited for this long before the instant: a turn of any lidar, a picture, a fix.
 constexpr Duration kSeenBefore = std::chrono::milliseconds{500};
 /// A page loads again, and asks for what it shows; at most.
-constexpr std::chrono::seconds kReturn{5};
+constexpr std::chrono::seconds kReturn{20};
 constexpr std::chrono::milliseconds kLook{100};
 
 const auto kNobody = [](const Reply& /*reply*/) {};
-
-/// Up to where there is something: of a run that was killed, and for what a stop cut short.
-SimTime last_instant(const fs::path& folder, const RecordingContents& contents) {
-  SimTime last = kStart;
-  each_packet(folder, [&](std::size_t, SimTime at, const auto&) { last = std::max(last, at); });
-  each_message(folder,
-               [&](TruthTrack, SimTime at, std::string_view) { last = std::max(last, at); });
-  return contents.end ? std::min(*contents.end, last) : last;
-}
 
 std::vector<RecordedAct> recorded_events(const fs::path& folder) {
   std::vector<RecordedAct> events;
@@ -81,7 +72,7 @@ Rerun::Rerun(const fs::path& recording)
       contents_(read_recording_description(recording)),
       recorded_(load_rig((recording / "rig.yaml").string(), {}).configuration),
       clients_(recording),
-      last_(hil::last_instant(recording, contents_)),
+      end_(contents_.end ? *contents_.end : last_instant()),
       events_(recorded_events(recording)),
       own_("replay"),
       pace_(course_.factor) {
@@ -107,6 +98,14 @@ Rerun::Rerun(const fs::path& recording)
 
 Rerun::~Rerun() = default;
 
+SimTime Rerun::last_instant() const {
+  SimTime last = kStart;
+  each_packet(recording_, [&](std::size_t, SimTime at, const auto&) { last = std::max(last, at); });
+  each_message(recording_,
+               [&](TruthTrack, SimTime at, std::string_view) { last = std::max(last, at); });
+  return contents_.end ? std::min(*contents_.end, last) : last;
+}
+
 void Rerun::add_clients(Rig& rig) {
   executive_ = &rig.executive();
   executive_->add(clients_);
@@ -131,8 +130,11 @@ void Rerun::govern(Desk& desk, const std::function<void(const std::string& what)
 }
 
 void Rerun::show(const Course& course) {
+  clients_.begin_again();
   course_ = course;
-  pace_.set_factor(course.factor);
+  pace_ = FreePace(course.factor);
+  again_.reset();
+  was_looked_at_ = false;
 }
 
 void Rerun::steer(Desk& desk, boost::asio::io_context& io, std::function<bool()> is_looked_at) {

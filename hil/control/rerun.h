@@ -45,14 +45,14 @@ class Rerun {
   [[nodiscard]] std::size_t client_acts() const { return clients_.size(); }
   /// For what is needed on the way; removed with it.
   [[nodiscard]] const std::filesystem::path& folder() const { return own_.path(); }
-  /// Up to where the recording tells anything.
-  [[nodiscard]] SimTime last_instant() const { return last_; }
+  /// Up to where the recording tells anything: reads all of it.
+  [[nodiscard]] SimTime last_instant() const;
   /// Of the recorded run; of one that was killed the last instant.
-  [[nodiscard]] SimTime end() const { return contents_.end.value_or(last_); }
+  [[nodiscard]] SimTime end() const { return end_; }
   /// What happened in it: messages of TruthTrack::events.
   [[nodiscard]] const std::vector<RecordedAct>& events() const { return events_; }
 
-  // One run, in this order. What is given must outlive it.
+  // One run, in this order, and when it is over the next one. What is given must outlive it.
 
   /// Before the rig is made.
   void join(Recorder& recorder);
@@ -71,7 +71,7 @@ class Rerun {
     /// Somebody looked on before, and is waited for a moment earlier, to see what leads there.
     bool looked_at = false;
   };
-  /// Before the run.
+  /// Before the run, and of the one before nothing is left.
   void show(const Course& course);
   /// Whether time stands at first.
   [[nodiscard]] bool begins_standing() const { return course_.stands || course_.looked_at; }
@@ -97,7 +97,7 @@ class Rerun {
   RecordingContents contents_;
   RigConfiguration recorded_;
   RecordedClients clients_;
-  SimTime last_{};
+  SimTime end_{};
   std::vector<RecordedAct> events_;
   std::vector<std::string> remarks_;
   PrivateFolder own_;

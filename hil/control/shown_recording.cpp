@@ -18,23 +18,23 @@ int show_recording(const std::filesystem::path& folder, RunOptions options, SimT
   if (options.control_token.empty()) {
     options.control_token = fresh_token();
   }
+  Rerun rerun(folder);
+  if (from > rerun.end()) {
+    throw std::invalid_argument(
+        fmt::format("--from: found {}, allowed up to the recording's end at {}",
+                    fields::print_duration((from - kStart).count()),
+                    fields::print_duration((rerun.end() - kStart).count())));
+  }
+  {
+    RunLog log(options.log_level);
+    for (const std::string& remark : rerun.remarks()) {
+      log.warning(remark);
+    }
+  }
+  options.shown = &rerun;
   Rerun::Course course{.from = from, .factor = options.clock.factor};
-  for (bool first = true;; first = false) {
-    Rerun rerun(folder);
-    if (from > rerun.end()) {
-      throw std::invalid_argument(
-          fmt::format("--from: found {}, allowed up to the recording's end at {}",
-                      fields::print_duration((from - kStart).count()),
-                      fields::print_duration((rerun.end() - kStart).count())));
-    }
-    if (first) {
-      RunLog log(options.log_level);
-      for (const std::string& remark : rerun.remarks()) {
-        log.warning(remark);
-      }
-    }
+  while (true) {
     rerun.show(course);
-    options.shown = &rerun;
     options.clock = {course.factor == 1.0 ? ClockMode::Kind::real : ClockMode::Kind::scaled,
                      course.factor};
     const int code = run(rerun.configuration(), options);

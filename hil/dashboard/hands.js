@@ -50,6 +50,7 @@ export class Hands {
 
   show(status) {
     this.showPaused(status.paused);
+    if (document.activeElement !== this.parts.speed) this.parts.speed.value = status.clock.split(":")[1] ?? 1;
     this.recording = status.recording;
     this.parts.record.textContent = status.recording ? "End recording" : "Record";
     this.parts.record.title = status.recording ?? "";

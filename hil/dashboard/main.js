@@ -23,10 +23,6 @@ run.addEventListener("open", ({ detail }) => {
   connection.className = "";
   part("rig").textContent = detail.name;
   document.title = `${detail.name} – Rigwire`;
-  run.command("state").then(
-    (state) => (part("clock").textContent = state.clock),
-    (error) => (connection.textContent = error.message),
-  );
 });
 run.addEventListener("lost", () => {
   connection.textContent = run.token ? "no connection; trying again" : "the address lacks the run's token";
@@ -40,6 +36,7 @@ let before = null; // for the pace
 run.listen("/status", (status) => {
   const now = performance.now();
   part("time").textContent = `${(status.time_ns * 1e-9).toFixed(2)} s${status.paused ? ", stands" : ""}`;
+  part("clock").textContent = status.clock;
   part("slipped").textContent = `${status.slipped_s.toFixed(2)} s`;
   if (before) {
     const factor = ((status.time_ns - before.time_ns) * 1e-6) / (now - before.now);

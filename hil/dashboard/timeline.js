@@ -109,7 +109,7 @@ export class TimeLine {
   }
 
   describe({ time_s, kind, where, text }) {
-    return `${time_s.toFixed(3)} s ${kind} ${where}: ${text}`;
+    return `${time_s.toFixed(3)} s ${kind}${where && ` ${where}`}: ${text}`;
   }
 
   click({ target }) {

@@ -167,26 +167,32 @@ void RecordedClients::advance(SimTime now) {
   giving_ = false;
 }
 
-void RecordedClients::give(Step& step) {
+void RecordedClients::begin_again() {
+  next_ = 0;
+  outlets_.clear();
+}
+
+void RecordedClients::give(const Step& step) {
+  WirePiece given = step.piece;
   std::visit(
       [&](auto& piece) {
         if constexpr (requires { piece.bytes; }) {
           piece.bytes = step.bytes;
         }
       },
-      step.piece);
+      given);
   const auto outlets = outlets_.find(wires_[step.wire]);
   if (outlets == outlets_.end()) {
     return;
   }
   for (QueuedOutlet* const outlet : outlets->second) {
-    if (outlet->arrive(step.piece)) {
+    if (outlet->arrive(given)) {
       return;
     }
-    auto* const stream = std::get_if<StreamPiece>(&step.piece);
+    auto* const stream = std::get_if<StreamPiece>(&given);
     if (stream != nullptr && stream->what == StreamPiece::What::ended) {
       stream->what = StreamPiece::What::gone;  // a server that knows no half of a connection
-      if (outlet->arrive(step.piece)) {
+      if (outlet->arrive(given)) {
         return;
       }
     }

@@ -26,6 +26,8 @@ class RecordedClients final : public EventSource {
 
   /// The outlets of a wire, which must outlive it (Recorder::on_outlet).
   void join(const std::string& wire, QueuedOutlet& outlet) { outlets_[wire].push_back(&outlet); }
+  /// For another run: from the start, without outlets.
+  void begin_again();
 
   /// How much there is to do.
   [[nodiscard]] std::size_t size() const { return steps_.size(); }
@@ -47,7 +49,7 @@ class RecordedClients final : public EventSource {
   };
   class Connections;
 
-  void give(Step& step);
+  void give(const Step& step);
 
   std::vector<std::string> wires_;
   std::vector<Step> steps_;

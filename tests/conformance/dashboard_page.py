@@ -773,23 +773,25 @@ def foxgloves_own_client_hears_it(rig, browser):
     assert heard.returncode == 0 and "all heard" in heard.stdout, heard.stdout + heard.stderr
 
 
+def start_ns(viewer):
+    info = viewer.until(lambda is_text, data: is_text and json.loads(data))
+    return info["dataStartTime"]["sec"] * 10**9 + info["dataStartTime"]["nsec"]
+
+
+def seek(viewer, time_ns, name):
+    """By a viewer's transport bar; what the server says to it: whether it sought and where time is."""
+    viewer.send_frame(0x82, struct.pack("<BBfBQI", 3, 1, 1.0, 1, time_ns, len(name)) + name)
+
+    def state(is_text, data):
+        told = not is_text and data[0] == 5 and data.endswith(name) and struct.unpack_from("<BBQfBI", data)
+        return told and (told[4], told[2])
+    return viewer.until(state)
+
+
 def a_transport_bar_seeks_forward_where_time_steps(rig, browser):
-    def seek(viewer, time_ns, name):
-        """What the server says to it: whether it sought and where time is, and its complaint."""
-        viewer.send_frame(0x82, struct.pack("<BBfBQI", 3, 1, 1.0, 1, time_ns, len(name)) + name)
-
-        def state(is_text, data):
-            told = not is_text and data[0] == 5 and data.endswith(name) and struct.unpack_from("<BBQfBI", data)
-            return told and (told[4], told[2])
-        return viewer.until(state)
-
     def complaint(is_text, data):
         message = is_text and json.loads(data)
         return message and message["op"] == "status" and message["level"] == 2 and message["message"]
-
-    def start_ns(viewer):
-        info = viewer.until(lambda is_text, data: is_text and json.loads(data))
-        return info["dataStartTime"]["sec"] * 10**9 + info["dataStartTime"]["nsec"]
 
     stepped = Rig(folder="stepped", options=("--clock", "step"))
     try:
@@ -898,6 +900,15 @@ def a_recording_goes_to_any_instant(rig, browser):
         eventually("the page knows that it stands", lambda: second.find_element(By.ID, "pause").text == "Go on")
         second.find_element(By.ID, "pause").click()
         eventually("it is played to its end", lambda: shown.state().get("time_ns") == 6_000_000_000 and shown.state().get("paused"))
+        # So does a viewer's transport bar, back and forth.
+        viewer = Viewer(shown)
+        did_seek, _ = seek(viewer, start_ns(viewer) + early["time_ns"], b"back")
+        assert did_seek
+        eventually("time goes back", lambda: stands_at(early))
+        viewer = Viewer(shown)
+        start = start_ns(viewer)
+        assert seek(viewer, start + late["time_ns"], b"on") == (1, start + late["time_ns"])
+        assert stands_at(late)
     finally:
         second.quit()
         shown.end()
@@ -924,7 +935,7 @@ def a_run_that_is_started_again_is_found_again(rig, browser):
         run = Rig(folder="started_again", options=options)
         eventually("another run is there", lambda: value(second, "window.rigwire?.run.session") not in (None, session))
         eventually("it is seen", lambda: is_drawn(second))
-        assert second.find_element(By.ID, "connection").text == "connected"
+        assert "no connection" not in second.find_element(By.ID, "connection").text
         assert second.find_element(By.ID, "camera").get_property("value") == "top"
         assert value(second, "rigwire.plots.lines.has('truth.position_m.0')")
     finally:

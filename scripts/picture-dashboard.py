@@ -16,7 +16,7 @@ OPEN = """
     const chosen = ["lidar", "gnss"].find((name) => name in devices);
     if (chosen) rigwire.wires.choose(chosen, devices[chosen].wire);
     document.getElementById("buses").open = true;"""
-RIGS = ["excavator_pit", "unimog_forest", "roller_road", "gator_campus"]
+RIGS = ["excavator_pit", "unimog_forest", "roller_road", "gator_campus", "lidar_park", "excavator_vision"]
 
 
 def still(rig, arguments, folder):

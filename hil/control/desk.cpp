@@ -350,24 +350,23 @@ void Desk::act(const SeekCommand& command, const Answer& answer) {
     return;
   }
   bool stands_then = executive_.paused();
-  if (!journey_.empty() && journey_.front().seeks) {
-    const Journey before = std::move(journey_.front());
-    journey_.clear();
+  for (const Journey& before : std::exchange(journey_, {})) {
     stands_then = before.stands_then;
     refuse(before.answer, Reply::Outcome::refused, {{"what", "time was sent elsewhere before"}});
   }
-  if (busy(answer)) {
-    return;
-  }
+  stands_then = run_.shown->stands_then(stands_then);
   if (until < executive_.now()) {
     run_.shown->show_again(until, stands_then, run_.clock.factor);
     done(answer, {});
     executive_.stop();
   } else if (until == executive_.now()) {
+    if (!stands_then) {
+      executive_.resume();
+    }
     done(answer, {});
   } else {
     run_.shown->pace().hasten(until);
-    depart({.until = until, .stands_then = stands_then, .seeks = true, .answer = answer});
+    depart({.until = until, .stands_then = stands_then, .answer = answer});
   }
 }
 

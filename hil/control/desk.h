@@ -7,8 +7,7 @@
 //
 // Answers. Each request is answered once: when it is done (run_until: when time stands there),
 // when it is refused, or when the run ends before. One client at a time sends time somewhere: while
-// a run_until, a step or a wait is on its way, another one is refused; a seek takes the place of
-// the one before.
+// a run_until, a step or a wait is on its way, another one is refused; a seek takes its place.
 //
 // A recording that is shown. Its time goes no further than the recorded end, and nobody changes
 // what happened. A seek backward is answered when the run is about to end and begin again.
@@ -132,7 +131,6 @@ class Desk final : public EventSource {
   struct Journey {
     SimTime until{};  ///< Where it ends at the latest.
     bool stands_then = false;
-    bool seeks = false;
     bool waits = false;  ///< For the quantity at `index`.
     std::size_t index = 0;
     bool above = true;

@@ -134,6 +134,7 @@ void Rerun::show(const Course& course) {
   course_ = course;
   pace_ = FreePace(course.factor);
   again_.reset();
+  is_coming_ = false;
   was_looked_at_ = false;
 }
 
@@ -141,18 +142,25 @@ void Rerun::steer(Desk& desk, boost::asio::io_context& io, std::function<bool()>
   is_looked_at_ = std::move(is_looked_at);
   desk.carry_out(Request{PauseCommand{}, end() - kStart}, kNobody);
   boost::asio::post(io, [this, &desk, &io] {
+    is_coming_ = course_.looked_at || course_.from > executive_->now();
     if (!course_.looked_at) {
-      if (course_.from > executive_->now()) {
+      if (is_coming_) {
         desk.carry_out(Request{SeekCommand{course_.from - kStart}}, kNobody);
       }
       return;
     }
-    const Duration earlier = std::max(Duration{0}, course_.from - kStart - kSeenBefore);
-    desk.carry_out(Request{SeekCommand{earlier}}, [this, &desk, &io](const Reply& reply) {
+    const auto wait = [this, &desk, &io](const Reply& reply) {
       if (reply.outcome == Reply::Outcome::done) {
         go_on_when_looked_at(desk, io, std::chrono::steady_clock::now() + kReturn);
       }
-    });
+    };
+    const Duration earlier = course_.from - kStart - kSeenBefore;
+    if (earlier > Duration{0}) {
+      pace_.hasten(kStart + earlier);
+      desk.carry_out(Request{RunUntilCommand{earlier}}, wait);
+    } else {
+      wait({});
+    }
   });
 }
 
@@ -162,16 +170,14 @@ void Rerun::go_on_when_looked_at(Desk& desk, boost::asio::io_context& io,
   timer->async_wait([this, &desk, &io, latest, timer,
                      at = executive_->now()](const boost::system::error_code& error) {
     if (error || !executive_->paused() || executive_->now() != at) {
-      return;  // it has been sent elsewhere meanwhile
+      is_coming_ = false;  // it has been sent elsewhere meanwhile
+      return;
     }
     // Once more after they are there, so that they have asked for what they want.
     const bool is_there = std::exchange(was_looked_at_, is_looked_at_()) && was_looked_at_;
     if (!is_there && std::chrono::steady_clock::now() < latest) {
       go_on_when_looked_at(desk, io, latest);
       return;
-    }
-    if (!course_.stands) {
-      desk.carry_out(Request{ResumeCommand{}}, kNobody);
     }
     desk.carry_out(Request{SeekCommand{course_.from - kStart}}, kNobody);
   });

@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/loopback_claims.h"
@@ -79,6 +80,11 @@ class Rerun {
   /// end it stands. `is_looked_at`: whether somebody looks on.
   void steer(Desk& desk, boost::asio::io_context& io, std::function<bool()> is_looked_at);
   [[nodiscard]] FreePace& pace() { return pace_; }
+  /// Whether time stands where a seek ends: as `otherwise`, which it does now; of the first one as
+  /// it is to be where the run is to begin.
+  [[nodiscard]] bool stands_then(bool otherwise) {
+    return std::exchange(is_coming_, false) ? course_.stands : otherwise;
+  }
   /// To be shown anew when it has ended, from there; nothing: not.
   void show_again(SimTime from, bool stands, double factor);
   [[nodiscard]] const std::optional<Course>& again() const { return again_; }
@@ -109,6 +115,7 @@ class Rerun {
   FreePace pace_;
   Executive* executive_ = nullptr;  ///< Of the run.
   std::function<bool()> is_looked_at_ = [] { return false; };
+  bool is_coming_ = false;  ///< To where it is to begin.
   bool was_looked_at_ = false;
   std::optional<Course> again_;
   std::string address_;

@@ -139,7 +139,11 @@ function(rigwire_test folder)
     endif()
   endforeach()
   target_link_libraries(${folder}_tests PRIVATE ${ARG_LINK} GTest::gmock_main)
-  gtest_discover_tests(${folder}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES PROPERTIES TIMEOUT 300
+  set(test_seconds 300)
+  if(RIGWIRE_SANITIZE)
+    set(test_seconds 1200)  # every access is looked at
+  endif()
+  gtest_discover_tests(${folder}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES PROPERTIES TIMEOUT ${test_seconds}
     LABELS ${folder}
     PROCESSORS ${processors})
 endfunction()

@@ -361,12 +361,15 @@ std::string Dashboard::control_playback(const foxglove::PlaybackControl& control
 }
 
 std::string Dashboard::seek(std::uint64_t unix_ns, const std::string& request) {
-  const auto now = stream_.unix_ns(executive_.now());
-  const SimTime until = executive_.now() + Duration{static_cast<std::int64_t>(unix_ns - now)};
+  const std::uint64_t start = stream_.unix_ns(kStart);
+  if (unix_ns < start || unix_ns - start > static_cast<std::uint64_t>(fields::kYear_ns)) {
+    return "that instant is before the start, or more than a year behind it";
+  }
+  const SimTime until = kStart + Duration{static_cast<std::int64_t>(unix_ns - start)};
   Command command = RunUntilCommand{until - kStart};
   if (desk_->shown() != nullptr) {
     command = SeekCommand{until - kStart};
-  } else if (unix_ns <= now) {
+  } else if (until <= executive_.now()) {
     return "a run cannot go back, devices have sent what they have sent; start it again and go "
            "forward, or record it and show the recording (replay --dashboard)";
   } else if (desk_->clock().paced()) {

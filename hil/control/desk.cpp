@@ -346,6 +346,10 @@ void Desk::act(const SeekCommand& command, const Answer& answer) {
             {"allowed", "seek in a recording that is shown (replay --dashboard); else run_until"}});
     return;
   }
+  if (until < kStart) {  // a text cannot ask for it, a program can
+    refuse(answer, Reply::Outcome::wrong, {{"what", "that is before the start"}, {"path", "time"}});
+    return;
+  }
   if (beyond_end(until, "time", answer)) {
     return;
   }
@@ -440,7 +444,8 @@ void Desk::act(const WaitCommand& command, const Answer& answer) {
             {"found", printable(command.quantity)},
             {"allowed", join_words(names)}});
   } else if (!busy(answer)) {
-    depart({.until = executive_.now() + command.limit,
+    const SimTime limit = executive_.now() + command.limit;
+    depart({.until = run_.shown != nullptr ? std::min(limit, run_.shown->end()) : limit,
             .stands_then = executive_.paused(),
             .waits = true,
             .index = static_cast<std::size_t>(found - run_.quantities.begin()),

@@ -72,7 +72,7 @@ struct RunOptions {
   /// A page that shows what happens (hil/control/dashboard.h), at the control's port; without one
   /// at a port of its own.
   bool dashboard = false;
-  ControlEndpoint page;  ///< That one.
+  ControlEndpoint page;  ///< Where, when it is at no control's port.
   /// Is written a line of JSON, and closed, when every wire is open: `control` and `token` of the
   /// control server, `dashboard` where there is one, and the wire of each device by its name.
   std::optional<int> ready_descriptor;

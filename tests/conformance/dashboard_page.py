@@ -909,6 +909,7 @@ def a_recording_goes_to_any_instant(rig, browser):
         start = start_ns(viewer)
         assert seek(viewer, start + late["time_ns"], b"on") == (1, start + late["time_ns"])
         assert stands_at(late)
+        assert seek(viewer, start - 1, b"before the start") == (0, start + late["time_ns"])
     finally:
         second.quit()
         shown.end()

@@ -18,7 +18,8 @@
 #include "hil/configuration/outline.h"
 #include "hil/configuration/reader.h"
 #include "hil/configuration/schema.h"
-#include "hil/control/rerun.h"
+#include "hil/control/live_changes.h"
+#include "hil/control/showing.h"
 #include "hil/devices/gige_camera.h"
 #include "hil/devices/valve_driver.h"
 #include "hil/devices/velodyne.h"
@@ -213,7 +214,7 @@ void Dashboard::serve(Desk& desk) {
   status_ = viewers.add({"/status", "json", "rigwire.Status", R"({"type":"object"})", 1});
   if (desk.shown() != nullptr) {
     viewers.add({"/recorded", "json", "rigwire.Recorded", R"({"type":"object"})", 1,
-                 [told = told_of(*desk.shown())] { return told; }});
+                 [told = told_of(desk.shown()->rerun())] { return told; }});
   }
   offer_commands();
   viewers.offer({[this](const StreamParameters::Told& told) {
@@ -293,7 +294,7 @@ void Dashboard::tick() {
 
 std::vector<StreamParameter> Dashboard::parameters() const {
   std::vector<StreamParameter> all;
-  for (const Desk::Setting& setting : desk_->settings()) {
+  for (const LiveChanges::Setting& setting : desk_->changes().settings()) {
     all.push_back({setting.on + "." + setting.key, json_of_yaml(setting.value)});
   }
   return all;

@@ -3,153 +3,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <boost/asio/post.hpp>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "hil/configuration/document.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/problems.h"
-#include "hil/configuration/reader.h"
 #include "hil/configuration/suggest.h"
-#include "hil/control/rerun.h"
-#include "hil/record/report.h"
+#include "hil/control/live_changes.h"
+#include "hil/control/showing.h"
+#include "hil/control/verdict.h"
 
 namespace rigwire::hil {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What `set` calls it.
-constexpr std::string_view kMachine = "machine";
-
-/// What a hand brings into the air: faults of it (sim/weather/air_fault.h), each with the key that
-/// says how much.
-constexpr std::string_view kAir = "air";
-struct AirKey {
-  std::string_view kind;
-  std::string_view key;
-};
-constexpr std::array<AirKey, 3> kAirKeys{
-    {{"rain", "rate"}, {"snow", "rate"}, {"fog", "visibility"}}};
-
-std::vector<std::string> air_names() {
-  std::vector<std::string> names;
-  std::ranges::transform(kAirKeys, std::back_inserter(names),
-                         [](const AirKey& key) { return std::string(key.kind); });
-  return names;
-}
-
-Value scalar_like(const Value& like, std::string text) {
-  return {.kind = Value::Kind::scalar,
-          .scalar = std::move(text),
-          .items = {},
-          .entries = {},
-          .where = like.where,
-          .folder = like.folder};
-}
-
 /// Between two looks at a quantity that is waited for.
 constexpr Duration kLook = std::chrono::milliseconds{1};
-
-std::int64_t nanoseconds(SimTime time) {
-  return (time - kStart).count();
-}
-
-std::string seconds_text(SimTime time) {
-  return fields::print_duration(nanoseconds(time));
-}
-
-Json json_of(const DeviceStatus& device) {
-  Json json{{"wire", device.wire},
-            {"frames", device.frames},
-            {"bytes", device.bytes},
-            {"dropped", device.dropped},
-            {"nominal_rate_hz", device.nominal_rate_hz},
-            {"lateness_p50_us", 1e6 * to_seconds(device.lateness_p50)},
-            {"lateness_p99_us", 1e6 * to_seconds(device.lateness_p99)},
-            {"lateness_max_us", 1e6 * to_seconds(device.lateness_max)},
-            {"lateness_us", lateness_json(device.lateness)},
-            {"client_present", device.client_present},
-            {"readers", device.readers},
-            {"last_request", nullptr}};
-  if (device.last_request) {
-    json["last_request"] = {{"time_ns", nanoseconds(device.last_request->at)},
-                            {"text", printable(device.last_request->text)}};
-  }
-  return json;
-}
-
-Json json_of(const BusStatus& bus) {
-  // By protocols::can::ErrorState.
-  constexpr std::array<std::string_view, 4> kStates{"active", "warning", "passive", "bus-off"};
-  Json nodes = Json::array();
-  for (const emulators::CanNodeStatus& node : bus.nodes) {
-    nodes.push_back({{"name", printable(std::string(node.name))},
-                     {"state", kStates[static_cast<std::size_t>(node.controller.state)]},
-                     {"transmit_errors", node.controller.transmit_errors},
-                     {"receive_errors", node.controller.receive_errors},
-                     {"sent", node.counters.sent},
-                     {"received", node.counters.received},
-                     {"overflowed", node.counters.overflowed},
-                     {"retransmissions", node.counters.retransmissions},
-                     {"bus_offs", node.counters.bus_offs}});
-  }
-  return {{"load", bus.load},
-          {"frames", bus.frames},
-          {"error_frames", bus.error_frames},
-          {"nodes", std::move(nodes)}};
-}
-
-Json json_of(const FaultWindow& fault) {
-  const auto instant = [](SimTime time) {
-    return time == kNever ? Json(nullptr) : Json(nanoseconds(time));
-  };
-  Json json{{"where", fault.where},
-            {"type", fault.type},
-            {"begin_ns", instant(fault.begin)},
-            {"end_ns", instant(fault.end)}};
-  if (!fault.waits_for.empty()) {
-    json["waits_for"] = printable(fault.waits_for);
-  }
-  return json;
-}
-
-Json json_of(const RigFaults::Numbered& fault) {
-  Json json{{"id", fault.id}};
-  json.update(json_of(fault.window));
-  return json;
-}
-
-Json json_of(const NoSuchFault& error) {
-  return {{"what", error.what()},
-          {"path", error.path},
-          {"found", error.found},
-          {"allowed", error.allowed}};
-}
-
-Json json_of(const Problem& problem) {
-  Json why{{"what", problem.line()}};
-  for (const auto& [key, words] : {std::pair{"path", &problem.path},
-                                   {"found", &problem.found},
-                                   {"allowed", &problem.allowed}}) {
-    if (!words->empty()) {
-      why[key] = printable(*words);
-    }
-  }
-  return why;
-}
-
-Json json_of(const RunEvent& event) {
-  return {{"number", event.number},
-          {"time_ns", nanoseconds(event.at)},
-          {"kind", kEventKinds[static_cast<std::size_t>(event.kind)]},
-          {"level", kLogLevels[static_cast<std::size_t>(event.level)]},
-          {"where", printable(event.where)},
-          {"text", printable(event.text)}};
-}
 
 bool changes_the_run(const Command& command) {
   return std::holds_alternative<FaultAddCommand>(command) ||
@@ -161,7 +33,11 @@ bool changes_the_run(const Command& command) {
 }  // namespace
 
 Desk::Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run)
-    : io_(io), executive_(executive), run_(std::move(run)) {
+    : io_(io),
+      executive_(executive),
+      run_(std::move(run)),
+      changes_(std::make_unique<LiveChanges>(LiveChanges::Parts{
+          executive, run_.faults, run_.hand, run_.settings, run_.recorder, run_.events})) {
   executive_.add(*this);
   if (run_.events != nullptr) {
     // On whatever thread it is told.
@@ -404,12 +280,7 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
   Json devices = Json::object();
   for (const DeviceStatus& device : status.devices) {
     Json& told = devices[device.name] = json_of(device);
-    told["settable"] = Json::array();
-    if (run_.settings != nullptr) {
-      for (const LiveKey& key : run_.settings->keys(device.name)) {
-        told["settable"].push_back(key.key);
-      }
-    }
+    told["settable"] = changes_->keys(device.name);
   }
   Json buses = Json::object();
   for (const BusStatus& bus : status.buses) {
@@ -421,7 +292,7 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
   }
   done(answer, {{"clock", to_string(run_.clock)},
                 {"machine", machine()},
-                {"air", has_air() ? air() : Json(nullptr)},
+                {"air", changes_->air()},
                 {"devices", std::move(devices)},
                 {"buses", std::move(buses)},
                 {"faults", std::move(faults)},
@@ -457,67 +328,11 @@ void Desk::act(const WaitCommand& command, const Answer& answer) {
 }
 
 void Desk::act(const FaultAddCommand& command, const Answer& answer) {
-  Problems problems;
-  Value keys = parse_request(command.fault, "fault", problems);
-  const Value* const type_key = keys.find("type");
-  if (problems.empty() && (type_key == nullptr || type_key->kind != Value::Kind::scalar)) {
-    refuse(answer, Reply::Outcome::wrong,
-           {{"what", "the fault has no type"},
-            {"path", "fault"},
-            {"found", printable(command.fault)},
-            {"allowed", "keys as in a rig's file: {type: jamming, for: 5 s}"}});
-    return;
-  }
-  try {
-    const auto begun =
-        problems.empty() ? begin_fault(command.on, std::move(keys), problems) : std::nullopt;
-    if (begun) {
-      done(answer, {{"fault", json_of(*begun)}});
-    } else {
-      refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
-    }
-  } catch (const NoSuchFault& error) {
-    refuse(answer, Reply::Outcome::wrong, json_of(error));
-  } catch (const std::invalid_argument& error) {
-    refuse(answer, Reply::Outcome::wrong, {{"what", error.what()}, {"path", "fault"}});
-  }
-}
-
-std::optional<RigFaults::Numbered> Desk::begin_fault(const std::string& on, Value keys,
-                                                     Problems& problems) {
-  Origins origins;
-  const auto fill = [&](const fields::Part& fault, SimTime soonest) {
-    if (keys.find("at") == nullptr) {
-      keys.entries.push_back(
-          {"at", keys.where, scalar_like(keys, fmt::format("{} ns", nanoseconds(soonest)))});
-    }
-    Reader(keys, problems, origins).read(fault);
-    return problems.empty();
-  };
-  auto begun = run_.faults.begin(executive_.now(), on, keys.find("type")->scalar, fill);
-  if (begun && run_.recorder != nullptr) {
-    // With the instant at which it begins.
-    run_.recorder->command(
-        Json{{"verb", "fault_add"}, {"on", on}, {"fault", json_text(keys)}}.dump());
-  }
-  return begun;
+  reply(answer, changes_->begin(command));
 }
 
 void Desk::act(const FaultClearCommand& command, const Answer& answer) {
-  try {
-    done(answer, {{"fault", json_of(end_fault(command.id))}});
-  } catch (const NoSuchFault& error) {
-    refuse(answer, Reply::Outcome::wrong, json_of(error));
-  }
-}
-
-RigFaults::Numbered Desk::end_fault(RigFaults::Id id) {
-  RigFaults::Numbered ended = run_.faults.end(executive_.now(), id);
-  std::erase_if(air_, [id](const auto& brought) { return brought.second.id == id; });
-  if (run_.recorder != nullptr) {
-    run_.recorder->command(Json{{"verb", "fault_clear"}, {"id", id}}.dump());
-  }
-  return ended;
+  reply(answer, changes_->end(command));
 }
 
 void Desk::act(const FaultListCommand&, const Answer& answer) {
@@ -653,231 +468,7 @@ void Desk::end_recording(const Answer& answer) {
 }
 
 void Desk::act(const SetCommand& command, const Answer& answer) {
-  std::vector<std::string> names;
-  if (run_.hand != nullptr) {
-    names.emplace_back(kMachine);
-  }
-  if (has_air()) {
-    names.emplace_back(kAir);
-  }
-  if (run_.settings != nullptr) {
-    const std::vector<std::string> devices = run_.settings->names();
-    names.insert(names.end(), devices.begin(), devices.end());
-  }
-  if (std::ranges::count(names, command.on) == 0) {
-    refuse(answer, Reply::Outcome::wrong,
-           {{"what", "nothing of that name can be set"},
-            {"path", "on"},
-            {"found", printable(command.on)},
-            {"allowed", join_words(names)}});
-    return;
-  }
-  const bool of_machine = run_.hand != nullptr && command.on == kMachine;
-  const bool of_air = command.on == kAir;
-  Problems problems;
-  const Value keys = parse_request(command.set, "set", problems);
-  if (!problems.empty()) {
-    refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
-  } else if (keys.kind != Value::Kind::map || keys.entries.empty()) {
-    std::vector<std::string> allowed;
-    if (of_machine) {
-      allowed = run_.hand->settings().names();
-    } else if (of_air) {
-      allowed = air_names();
-    } else {
-      for (const LiveKey& key : run_.settings->keys(command.on)) {
-        allowed.emplace_back(key.key);
-      }
-    }
-    refuse(answer, Reply::Outcome::wrong,
-           {{"what", of_machine ? "no set points" : "no keys"},
-            {"path", "set"},
-            {"found", printable(command.set)},
-            {"allowed", "some of " + join_words(allowed)}});
-  } else if (of_machine) {
-    set_machine(command, keys, answer);
-  } else if (of_air) {
-    set_air(keys, answer);
-  } else {
-    set_device(command, keys, answer);
-  }
-}
-
-std::vector<Desk::Setting> Desk::settings() const {
-  std::vector<Setting> all;
-  if (run_.hand != nullptr) {
-    for (const HandSettings::Row& row : run_.hand->settings().rows()) {
-      const auto held = held_.find(row.name);
-      all.push_back(
-          {std::string(kMachine), row.name, held == held_.end() ? std::string() : held->second});
-    }
-  }
-  if (has_air()) {
-    for (const AirKey& key : kAirKeys) {
-      const auto brought = air_.find(std::string(key.kind));
-      all.push_back({std::string(kAir), std::string(key.kind),
-                     brought == air_.end() ? std::string() : brought->second.value});
-    }
-  }
-  if (run_.settings != nullptr) {
-    for (const std::string& device : run_.settings->names()) {
-      for (const LiveKey& key : run_.settings->keys(device)) {
-        all.push_back({device, std::string(key.key), run_.settings->value(device, key.key)});
-      }
-    }
-  }
-  return all;
-}
-
-void Desk::tell_set(EventKind kind, const std::string& where, const std::string& text) {
-  if (run_.events != nullptr) {
-    run_.events->tell(executive_.now(), kind, LogLevel::info, where, text);
-  }
-}
-
-void Desk::note(const SetCommand& command) {
-  if (run_.recorder != nullptr) {
-    run_.recorder->command(Json{{"verb", "set"}, {"on", command.on}, {"set", command.set}}.dump());
-  }
-}
-
-void Desk::set_machine(const SetCommand& command, const Value& keys, const Answer& answer) {
-  Problems problems;
-  Origins origins;
-  HandSettings settings = run_.hand->settings();
-  // What is let go has no value to be read.
-  Value taken = keys;
-  std::vector<std::string> released;
-  std::erase_if(taken.entries, [&](const Value::Entry& entry) {
-    const bool lets_go =
-        entry.value.kind == Value::Kind::null && settings.find(entry.key) != nullptr;
-    if (lets_go) {
-      released.push_back(entry.key);
-    }
-    return lets_go;
-  });
-  Reader(taken, problems, origins).read(fields::Part::of(settings));
-  if (!problems.empty()) {
-    refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
-    return;
-  }
-  std::vector<Hand::Order> orders;
-  for (const Value::Entry& entry : taken.entries) {
-    const HandSettings::Row& row = *settings.find(entry.key);
-    orders.push_back({row, row.value});
-    held_[row.name] = entry.value.scalar;
-    tell_set(EventKind::set, row.name,
-             fmt::format("a hand sets {} to {}", row.name, entry.value.scalar));
-  }
-  for (const std::string& name : released) {
-    orders.push_back({*settings.find(name), std::nullopt});
-    held_.erase(name);
-    tell_set(EventKind::released, name, fmt::format("a hand lets {} go", name));
-  }
-  const SimTime acts_from = executive_.soonest_request();
-  run_.hand->order(orders);
-  note(command);
-  done(answer, {{"acts_from_ns", nanoseconds(acts_from)}});
-}
-
-void Desk::set_air(const Value& keys, const Answer& answer) {
-  struct Change {
-    const AirKey* of;
-    std::string value;  ///< Empty: it is let go.
-  };
-  // All of them are looked at before the first one acts.
-  std::vector<Change> changes;
-  for (const Value::Entry& entry : keys.entries) {
-    const auto of = std::ranges::find(kAirKeys, entry.key, &AirKey::kind);
-    const bool lets_go = entry.value.kind == Value::Kind::null;
-    if (of == kAirKeys.end() || !(lets_go || entry.value.kind == Value::Kind::scalar)) {
-      refuse(answer, Reply::Outcome::wrong,
-             {{"what", of == kAirKeys.end() ? "no hand brings that into the air" : "no value"},
-              {"path", printable(entry.key)},
-              {"found", printable(entry.value.description())},
-              {"allowed",
-               of == kAirKeys.end() ? join_words(air_names()) : "a value with its unit, or null"}});
-      return;
-    }
-    changes.push_back({&*of, entry.value.scalar});
-  }
-  std::vector<std::pair<const AirKey*, Brought>> begun;
-  const auto take_back = [&] {
-    for (const auto& [of, brought] : begun) {
-      end_fault(brought.id);
-    }
-  };
-  SimTime acts_from = executive_.soonest_request();
-  for (const Change& change : changes) {
-    if (change.value.empty()) {
-      continue;
-    }
-    Value fault = keys;
-    fault.entries = {{"type", keys.where, scalar_like(keys, std::string(change.of->kind))},
-                     {std::string(change.of->key), keys.where, scalar_like(keys, change.value)}};
-    Problems problems;
-    if (const auto one = begin_fault(std::string(kAir), std::move(fault), problems)) {
-      begun.emplace_back(change.of, Brought{one->id, change.value});
-      acts_from = std::max(acts_from, one->window.begin);
-    } else {
-      take_back();
-      Json why = json_of(problems.sorted().front());
-      why["path"] = change.of->kind;
-      refuse(answer, Reply::Outcome::wrong, std::move(why));
-      return;
-    }
-  }
-  for (const Change& change : changes) {
-    const std::string kind(change.of->kind);
-    if (const auto before = air_.find(kind); before != air_.end()) {
-      end_fault(before->second.id);
-    }
-    if (change.value.empty()) {
-      tell_set(EventKind::released, std::string(kAir), fmt::format("a hand lets {} go", kind));
-    } else {
-      tell_set(EventKind::set, std::string(kAir),
-               fmt::format("{} is set to {}", kind, change.value));
-    }
-  }
-  for (auto& [of, brought] : begun) {
-    air_[std::string(of->kind)] = std::move(brought);
-  }
-  done(answer, {{"acts_from_ns", nanoseconds(acts_from)}});
-}
-
-bool Desk::has_air() const {
-  const auto targets = run_.faults.targets();
-  return std::ranges::any_of(targets, [](const auto& target) { return target.name == kAir; });
-}
-
-Json Desk::air() const {
-  Json values = Json::object();
-  for (const AirKey& key : kAirKeys) {
-    const auto brought = air_.find(std::string(key.kind));
-    values[std::string(key.kind)] =
-        brought == air_.end() ? Json(nullptr) : Json(printable(brought->second.value));
-  }
-  return values;
-}
-
-void Desk::set_device(const SetCommand& command, const Value& keys, const Answer& answer) {
-  const RigSettings::Outcome outcome = run_.settings->tell(executive_.now(), command.on, keys);
-  Json told = Json::object();
-  for (const RigSettings::Outcome::Told& one : outcome.told) {
-    told[one.key] = printable(one.value);
-    tell_set(EventKind::set, command.on, fmt::format("{} is set to {}", one.key, one.value));
-  }
-  if (!outcome.told.empty()) {
-    note(command);
-  }
-  if (!outcome.refused) {
-    done(answer, {{"acts_from_ns", nanoseconds(executive_.now())}});
-    return;
-  }
-  Json why = json_of(*outcome.refused);
-  why["told"] = std::move(told);
-  refuse(answer, outcome.by_device ? Reply::Outcome::refused : Reply::Outcome::wrong,
-         std::move(why));
+  reply(answer, changes_->set(command));
 }
 
 void Desk::act(const StopCommand&, const Answer& answer) {
@@ -929,19 +520,17 @@ Json Desk::machine() const {
   for (std::size_t i = 0; i < run_.quantities.size() && i < state.size(); ++i) {
     values[run_.quantities[i].name] = {{"value", state[i]}, {"unit", run_.quantities[i].unit}};
   }
-  Json settable = Json::array();
-  if (run_.hand != nullptr) {
-    for (const HandSettings::Row& row : run_.hand->settings().rows()) {
-      Json& told = settable.emplace_back(Json{{"name", row.name}});
-      if (row.kind == HandSettings::Kind::opening) {
-        told["least"] = -1;
-        told["most"] = 1;
-      }
-    }
-  }
   return {{"time_ns", nanoseconds(executive_.frontier())},
           {"quantities", std::move(values)},
-          {"settable", std::move(settable)}};
+          {"settable", changes_->set_points()}};
+}
+
+void Desk::reply(const Answer& answer, Verdict verdict) {
+  if (verdict.outcome == Reply::Outcome::done) {
+    done(answer, std::move(verdict.told));
+  } else {
+    refuse(answer, verdict.outcome, std::move(verdict.told));
+  }
 }
 
 void Desk::done(const Answer& answer, Json more) {

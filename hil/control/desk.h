@@ -22,15 +22,15 @@
 #include <filesystem>
 #include <functional>
 #include <list>
-#include <map>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "hil/configuration/problems.h"
 #include "hil/control/commands.h"
+#include "hil/control/reply.h"
 #include "hil/executive/clock.h"
 #include "hil/executive/event_source.h"
 #include "hil/executive/executive.h"
@@ -44,21 +44,9 @@
 
 namespace rigwire::hil {
 
-class Rerun;
-
-/// What was done, or why not.
-struct Reply {
-  enum class Outcome {
-    done,
-    wrong,    ///< The request is none.
-    refused,  ///< Not now, or not with this run.
-    ended,    ///< The run ended before.
-  };
-  Outcome outcome = Outcome::done;
-  /// A JSON object: `ok`, `time_ns` (simulated, of the answer), `paused`, and what the verb tells;
-  /// of what is not done `what`, and where known `path`, `found` and `allowed`.
-  std::string json;
-};
+class LiveChanges;
+class Showing;
+struct Verdict;
 
 /// The run that the desk governs.
 struct GovernedRun {
@@ -75,7 +63,7 @@ struct GovernedRun {
   Recorder* recorder = nullptr;     ///< Null: it cannot be recorded.
   Hand* hand = nullptr;             ///< Null: there are no sticks.
   RigSettings* settings = nullptr;  ///< Null: no device is told anything.
-  Rerun* shown = nullptr;           ///< The recording that is shown; null: it is a run of its own.
+  Showing* shown = nullptr;         ///< The recording that is shown; null: it is a run of its own.
   /// Below it, and nowhere else, folders of recordings are made for who may be anybody.
   std::filesystem::path records_below{};
 };
@@ -106,14 +94,9 @@ class Desk final : public EventSource {
   [[nodiscard]] std::string metrics() const { return run_.metrics(); }
   [[nodiscard]] ClockMode clock() const { return run_.clock; }
   /// Null: it is a run of its own.
-  [[nodiscard]] const Rerun* shown() const { return run_.shown; }
-  /// What `set` can set, and its value as a rig's file has it; empty: no hand holds it.
-  struct Setting {
-    std::string on;
-    std::string key;
-    std::string value;
-  };
-  [[nodiscard]] std::vector<Setting> settings() const;
+  [[nodiscard]] const Showing* shown() const { return run_.shown; }
+  /// What has been changed of the run, and can be.
+  [[nodiscard]] const LiveChanges& changes() const { return *changes_; }
   /// Answers all that still waits: the run has ended.
   void end();
 
@@ -157,13 +140,6 @@ class Desk final : public EventSource {
   void act(const SetCommand& command, const Answer& answer);
   void act(const StopCommand&, const Answer& answer);
 
-  /// Of what `set` names: the machine by hand, the air, or a device.
-  void set_machine(const SetCommand& command, const Value& keys, const Answer& answer);
-  void set_air(const Value& keys, const Answer& answer);
-  void set_device(const SetCommand& command, const Value& keys, const Answer& answer);
-  void tell_set(EventKind kind, const std::string& where, const std::string& text);
-  /// For a recording.
-  void note(const SetCommand& command);
   void begin_recording(const RecordCommand& command, const Answer& answer);
   void end_recording(const Answer& answer);
   /// False: the answer has been given.
@@ -182,21 +158,13 @@ class Desk final : public EventSource {
   void arrive_at(SimTime now);
   [[nodiscard]] bool is_there(const Journey& journey) const;
 
+  void reply(const Answer& answer, Verdict verdict);
   void done(const Answer& answer, nlohmann::ordered_json more);
   /// Is told as an event, unless the run has ended.
   void refuse(const Answer& answer, Reply::Outcome outcome, nlohmann::ordered_json why);
   /// When what is due up to now has left.
   void later(std::function<void()> what);
   [[nodiscard]] nlohmann::ordered_json machine() const;
-  [[nodiscard]] nlohmann::ordered_json air() const;
-  /// Whether there is air, and what a hand can bring into it.
-  [[nodiscard]] bool has_air() const;
-  /// Begins a fault from now on, for a recording too; nothing: `problems` says why. Throws
-  /// NoSuchFault and std::invalid_argument as RigFaults.
-  [[nodiscard]] std::optional<RigFaults::Numbered> begin_fault(const std::string& on, Value keys,
-                                                               Problems& problems);
-  /// Throws NoSuchFault.
-  RigFaults::Numbered end_fault(RigFaults::Id id);
 
   boost::asio::io_context& io_;
   Executive& executive_;
@@ -204,13 +172,7 @@ class Desk final : public EventSource {
   std::list<Queued> queue_;     ///< In order of time, of equals as they came.
   std::list<Journey> journey_;  ///< One at most.
   std::vector<std::pair<EventsCommand, Answer>> listening_;
-  std::map<std::string, std::string> held_;  ///< Set points that a hand holds; as it was written.
-  /// What a hand has brought into the air, by its kind: a fault that lasts until it is let go.
-  struct Brought {
-    RigFaults::Id id = 0;
-    std::string value;  ///< As it was written.
-  };
-  std::map<std::string, Brought> air_;
+  std::unique_ptr<LiveChanges> changes_;
   bool recording_ends_ = false;
   bool ended_ = false;
 };

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <iterator>
 #include <utility>
 
@@ -18,14 +16,6 @@ namespace rigwire::hil {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Who looks on is waited for this long before the instant: a turn of any lidar, a picture, a fix.
-constexpr Duration kSeenBefore = std::chrono::milliseconds{500};
-/// A page loads again, and asks for what it shows; at most.
-constexpr std::chrono::seconds kReturn{20};
-constexpr std::chrono::milliseconds kLook{100};
-
-const auto kNobody = [](const Reply& /*reply*/) {};
 
 std::vector<RecordedAct> recorded_events(const fs::path& folder) {
   std::vector<RecordedAct> events;
@@ -74,8 +64,7 @@ Rerun::Rerun(const fs::path& recording)
       clients_(recording),
       end_(contents_.end ? *contents_.end : last_instant()),
       events_(recorded_events(recording)),
-      own_("replay"),
-      pace_(course_.factor) {
+      own_("replay") {
   tell_origin(contents_.run, config_hash(recorded_), remarks_);
   std::ranges::copy(clients_.remarks(), std::back_inserter(remarks_));
   if (contents_.run.clients_before) {
@@ -107,8 +96,7 @@ SimTime Rerun::last_instant() const {
 }
 
 void Rerun::add_clients(Rig& rig) {
-  executive_ = &rig.executive();
-  executive_->add(clients_);
+  rig.executive().add(clients_);
 }
 
 void Rerun::join(Recorder& recorder) {
@@ -127,64 +115,6 @@ void Rerun::govern(Desk& desk, const std::function<void(const std::string& what)
       }
     });
   }
-}
-
-void Rerun::show(const Course& course) {
-  clients_.begin_again();
-  course_ = course;
-  pace_ = FreePace(course.factor);
-  again_.reset();
-  is_coming_ = false;
-  was_looked_at_ = false;
-}
-
-void Rerun::steer(Desk& desk, boost::asio::io_context& io, std::function<bool()> is_looked_at) {
-  is_looked_at_ = std::move(is_looked_at);
-  desk.carry_out(Request{PauseCommand{}, end() - kStart}, kNobody);
-  boost::asio::post(io, [this, &desk, &io] {
-    is_coming_ = course_.looked_at || course_.from > executive_->now();
-    if (!course_.looked_at) {
-      if (is_coming_) {
-        desk.carry_out(Request{SeekCommand{course_.from - kStart}}, kNobody);
-      }
-      return;
-    }
-    const auto wait = [this, &desk, &io](const Reply& reply) {
-      if (reply.outcome == Reply::Outcome::done) {
-        go_on_when_looked_at(desk, io, std::chrono::steady_clock::now() + kReturn);
-      }
-    };
-    const Duration earlier = course_.from - kStart - kSeenBefore;
-    if (earlier > Duration{0}) {
-      pace_.hasten(kStart + earlier);
-      desk.carry_out(Request{RunUntilCommand{earlier}}, wait);
-    } else {
-      wait({});
-    }
-  });
-}
-
-void Rerun::go_on_when_looked_at(Desk& desk, boost::asio::io_context& io,
-                                 std::chrono::steady_clock::time_point latest) {
-  const auto timer = std::make_shared<boost::asio::steady_timer>(io, kLook);
-  timer->async_wait([this, &desk, &io, latest, timer,
-                     at = executive_->now()](const boost::system::error_code& error) {
-    if (error || !executive_->paused() || executive_->now() != at) {
-      is_coming_ = false;  // it has been sent elsewhere meanwhile
-      return;
-    }
-    // Once more after they are there, so that they have asked for what they want.
-    const bool is_there = std::exchange(was_looked_at_, is_looked_at_()) && was_looked_at_;
-    if (!is_there && std::chrono::steady_clock::now() < latest) {
-      go_on_when_looked_at(desk, io, latest);
-      return;
-    }
-    desk.carry_out(Request{SeekCommand{course_.from - kStart}}, kNobody);
-  });
-}
-
-void Rerun::show_again(SimTime from, bool stands, double factor) {
-  again_ = Course{from, stands, factor, is_looked_at_()};
 }
 
 }  // namespace rigwire::hil

@@ -20,7 +20,7 @@
 #include "hil/control/dashboard.h"
 #include "hil/control/desk.h"
 #include "hil/control/ready.h"
-#include "hil/control/rerun.h"
+#include "hil/control/showing.h"
 #include "hil/executive/awake_processors.h"
 #include "hil/executive/background_thread.h"
 #include "hil/files/new_folder.h"
@@ -279,8 +279,8 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   // Before a device saves what it is told.
   const bool is_told = report_file || options.onlooker || options.control || options.dashboard ||
                        isolated || !options.record.folder.empty();
-  Rerun* const shown = options.shown;
-  const std::string hash = shown != nullptr ? shown->contents().run.config_hash
+  Showing* const shown = options.shown;
+  const std::string hash = shown != nullptr ? shown->rerun().contents().run.config_hash
                            : is_told        ? config_hash(configuration)
                                             : std::string();
   RunEvents events;
@@ -294,13 +294,13 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     });
   }
   if (shown != nullptr) {
-    shown->join(*recorder);
+    shown->rerun().join(*recorder);
   }
   auto rig = std::make_unique<Rig>(
       wired, io, shown != nullptr ? TruthFiles{} : truth_files(wired, options, failures), &log,
-      shown != nullptr ? shown->own_ends() : OwnEnds{}, recorder.get());
+      shown != nullptr ? shown->rerun().own_ends() : OwnEnds{}, recorder.get());
   if (shown != nullptr) {
-    shown->add_clients(*rig);
+    shown->rerun().add_clients(*rig);
   }
   log.inform([&events, &rig](LogLevel level, std::string_view text) {
     events.tell(rig->executive().reached(), EventKind::notice, level, "", std::string(text));
@@ -352,8 +352,9 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
             shown, isolated ? isolated->folder : std::filesystem::current_path()});
   }
   if (shown != nullptr) {
-    shown->govern(*desk, [&log](const std::string& what) { log.warning(what); });
-    shown->steer(*desk, io, [&stream] { return stream->viewers().anything_wanted(); });
+    shown->rerun().govern(*desk, [&log](const std::string& what) { log.warning(what); });
+    shown->steer(*desk, rig->executive(), io,
+                 [&stream] { return stream->viewers().anything_wanted(); });
   }
   if (dashboard) {
     dashboard->serve(*desk);

@@ -20,7 +20,7 @@
 
 namespace rigwire::hil {
 
-class Rerun;
+class Showing;
 
 /// A run as somebody sees it who looks on.
 struct RunView {
@@ -82,7 +82,7 @@ struct RunOptions {
   MakeOnlooker onlooker;  ///< May be empty.
   /// The recording that is shown, of whose configuration() this is a run; null: it is a run of its
   /// own. With a page, a clock that follows the wall's and no duration, files or folders.
-  Rerun* shown = nullptr;
+  Showing* shown = nullptr;
   /// Of the configuration, for what the start is refused by; may be null.
   const Origins* origins = nullptr;
 };

@@ -9,6 +9,7 @@
 
 #include "fields/visitor.h"
 #include "hil/control/rerun.h"
+#include "hil/control/showing.h"
 #include "hil/record/run_log.h"
 
 namespace rigwire::hil {
@@ -31,19 +32,20 @@ int show_recording(const std::filesystem::path& folder, RunOptions options, SimT
       log.warning(remark);
     }
   }
-  options.shown = &rerun;
-  Rerun::Course course{.from = from, .factor = options.clock.factor};
+  Showing showing(rerun);
+  options.shown = &showing;
+  Showing::Course course{.from = from, .factor = options.clock.factor};
   while (true) {
-    rerun.show(course);
+    showing.begin(course);
     options.clock = {course.factor == 1.0 ? ClockMode::Kind::real : ClockMode::Kind::scaled,
                      course.factor};
     const int code = run(rerun.configuration(), options);
-    if (!rerun.again() || code != static_cast<int>(ExitCode::done)) {
+    if (!showing.again() || code != static_cast<int>(ExitCode::done)) {
       return code;
     }
-    course = *rerun.again();
+    course = *showing.again();
     // Where viewers will look for it again.
-    const auto here = parse_control_endpoint(rerun.address());
+    const auto here = parse_control_endpoint(showing.address());
     options.page = here.value_or(options.page);
     if (options.control && options.control->path.empty()) {
       options.control = options.page;

@@ -1,0 +1,86 @@
+// What is changed of a run while it runs, by whoever asks at its desk: faults begin and end, a hand
+// takes set points of the machine, brings rain, snow or fog into the air, tells a device some of
+// its keys. Each change is told as an event and noted for a recording with what it needs to be done
+// again at the same instant.
+//
+// The air. What a hand brings there is a fault of the air that lasts until it is let go, or until
+// somebody ends that fault.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/configuration/document.h"
+#include "hil/control/commands.h"
+#include "hil/control/verdict.h"
+#include "hil/executive/executive.h"
+#include "hil/record/recorder.h"
+#include "hil/record/run_events.h"
+#include "hil/rig/rig_faults.h"
+#include "hil/rig/rig_settings.h"
+#include "hil/world/hand.h"
+
+namespace rigwire::hil {
+
+class LiveChanges {
+ public:
+  /// What it changes, and who hears of it. All must outlive it.
+  struct Parts {
+    Executive& executive;
+    RigFaults& faults;
+    Hand* hand = nullptr;             ///< Null: there are no sticks.
+    RigSettings* settings = nullptr;  ///< Null: no device is told anything.
+    Recorder* recorder = nullptr;     ///< Null: nothing is noted.
+    RunEvents* events = nullptr;      ///< Null: nobody is told.
+  };
+  explicit LiveChanges(Parts parts) : parts_(parts) {}
+
+  [[nodiscard]] Verdict begin(const FaultAddCommand& command);
+  [[nodiscard]] Verdict end(const FaultClearCommand& command);
+  /// All of its keys or none; of a device those before the one that it refuses.
+  [[nodiscard]] Verdict set(const SetCommand& command);
+
+  /// What `set` can set, and its value as a rig's file has it; empty: no hand holds it.
+  struct Setting {
+    std::string on;
+    std::string key;
+    std::string value;
+  };
+  [[nodiscard]] std::vector<Setting> settings() const;
+  /// Of that thing; empty: nothing of it can be set.
+  [[nodiscard]] std::vector<std::string> keys(const std::string& on) const;
+  /// The machine's set points, with their range where it is known.
+  [[nodiscard]] nlohmann::ordered_json set_points() const;
+  /// What a hand has brought there by its kind; null: this rig has no air.
+  [[nodiscard]] nlohmann::ordered_json air() const;
+
+ private:
+  struct Brought {
+    RigFaults::Id id = 0;
+    std::string value;  ///< As it was written.
+  };
+
+  [[nodiscard]] Verdict set_machine(const SetCommand& command, const Value& keys);
+  [[nodiscard]] Verdict set_air(const Value& keys);
+  [[nodiscard]] Verdict set_device(const SetCommand& command, const Value& keys);
+  /// What has keys().
+  [[nodiscard]] std::vector<std::string> things() const;
+  [[nodiscard]] std::string value(const std::string& on, const std::string& key) const;
+  [[nodiscard]] bool has_air() const;
+  /// From now on; nothing: `problems` says why. Throws NoSuchFault and std::invalid_argument as
+  /// RigFaults.
+  [[nodiscard]] std::optional<RigFaults::Numbered> begin_fault(const std::string& on, Value keys,
+                                                               Problems& problems);
+  /// Throws NoSuchFault.
+  RigFaults::Numbered end_fault(RigFaults::Id id);
+  void tell(EventKind kind, const std::string& where, const std::string& text);
+  void note(const nlohmann::ordered_json& request);
+
+  Parts parts_;
+  std::map<std::string, std::string> held_;  ///< Set points that a hand holds; as it was written.
+  std::map<std::string, Brought> air_;       ///< By kind of fault.
+};
+
+}  // namespace rigwire::hil

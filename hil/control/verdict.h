@@ -1,0 +1,51 @@
+// What is said of a request before the instant stands beside it, and how the parts of a run are
+// told in JSON (docs/control.md).
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "hil/configuration/fault_window.h"
+#include "hil/configuration/problems.h"
+#include "hil/control/reply.h"
+#include "hil/record/run_events.h"
+#include "hil/rig/rig_faults.h"
+#include "hil/rig/rig_status.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::hil {
+
+/// A Reply without `ok`, `time_ns` and `paused`.
+struct Verdict {
+  Reply::Outcome outcome = Reply::Outcome::done;
+  nlohmann::ordered_json told;
+};
+
+/// `why`: what, path, found, allowed.
+[[nodiscard]] inline Verdict wrong(nlohmann::ordered_json why) {
+  return {Reply::Outcome::wrong, std::move(why)};
+}
+/// The first of them.
+[[nodiscard]] Verdict wrong(const Problems& problems);
+[[nodiscard]] inline Verdict refused(nlohmann::ordered_json why) {
+  return {Reply::Outcome::refused, std::move(why)};
+}
+
+/// Since the start.
+[[nodiscard]] inline std::int64_t nanoseconds(SimTime time) {
+  return (time - kStart).count();
+}
+[[nodiscard]] std::string seconds_text(SimTime time);
+
+[[nodiscard]] nlohmann::ordered_json json_of(const DeviceStatus& device);
+[[nodiscard]] nlohmann::ordered_json json_of(const BusStatus& bus);
+[[nodiscard]] nlohmann::ordered_json json_of(const FaultWindow& fault);
+[[nodiscard]] nlohmann::ordered_json json_of(const RigFaults::Numbered& fault);
+[[nodiscard]] nlohmann::ordered_json json_of(const RunEvent& event);
+// Why not.
+[[nodiscard]] nlohmann::ordered_json json_of(const NoSuchFault& error);
+[[nodiscard]] nlohmann::ordered_json json_of(const Problem& problem);
+
+}  // namespace rigwire::hil

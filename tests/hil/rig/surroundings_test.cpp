@@ -120,13 +120,13 @@ TEST(Surroundings, WeatherByHandIsThatOfAFault) {
   const auto set = [](const std::string& keys, Duration at) {
     return Request{SetCommand{"air", keys}, at};
   };
-  const Ran held =
-      run(clear,
-          {set("{fog: 50 m}", 1s), set("{fog: 20 m}", 1500ms), set("{rain: 400 mm/h}", 1600ms),
-           set("{rain: 5 mm/h, snow: [1]}", 1600ms), set("{hail: 1}", 1600ms),
-           set("{fog: 10 m, rain: 0 mm/h}", 1700ms), set("{fog: null}", 2s)},
-          3s);
-  for (const std::size_t done : std::array<std::size_t, 3>{0, 1, 6}) {
+  const Ran held = run(
+      clear,
+      {set("{fog: 50 m}", 1s), set("{fog: 20 m}", 1500ms), set("{rain: 400 mm/h}", 1600ms),
+       set("{rain: 5 mm/h, snow: [1]}", 1600ms), set("{hail: 1}", 1600ms),
+       set("{fog: 10 m, rain: 0 mm/h}", 1700ms), set("{fog: ''}", 1800ms), set("{fog: null}", 2s)},
+      3s);
+  for (const std::size_t done : std::array<std::size_t, 3>{0, 1, 7}) {
     EXPECT_TRUE(held.answers.at(done)["ok"].get<bool>()) << held.answers.at(done);
   }
   EXPECT_EQ(held.answers.at(2)["path"], "rain");
@@ -134,6 +134,7 @@ TEST(Surroundings, WeatherByHandIsThatOfAFault) {
   EXPECT_EQ(held.answers.at(3)["path"], "snow");
   EXPECT_EQ(held.answers.at(4)["allowed"], "rain, snow, fog");
   EXPECT_EQ(held.answers.at(5)["path"], "rain") << "all of it is refused";
+  EXPECT_EQ(held.answers.at(6)["path"], "fog") << "no value lets nothing go";
   const auto instant = [&](std::size_t answer) {
     return fmt::format("{} ns", held.answers.at(answer)["acts_from_ns"].get<std::int64_t>());
   };
@@ -142,7 +143,7 @@ TEST(Surroundings, WeatherByHandIsThatOfAFault) {
                    {fmt::format("surroundings.air.faults=[{{type: fog, at: {}, until: {}, "
                                 "visibility: 50 m}}, {{type: fog, at: {}, until: {}, "
                                 "visibility: 20 m}}]",
-                                instant(0), instant(1), instant(1), instant(6))})
+                                instant(0), instant(1), instant(1), instant(7))})
               .configuration,
           {}, 3s);
   EXPECT_EQ(held.streams, written.streams);

@@ -6,9 +6,10 @@
 trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
 
 # wait_until SECONDS DESCRIPTION COMMAND...: polls until the command succeeds; fails with the
-# description when it has not within the time.
+# description when it has not within the time, three times over for an emulated processor beside
+# other tests.
 wait_until() {
-  local deadline=$((SECONDS + $1)) what=$2
+  local deadline=$((SECONDS + 3 * $1)) what=$2
   shift 2
   until "$@" >/dev/null 2>&1; do
     if [ $SECONDS -gt "$deadline" ]; then

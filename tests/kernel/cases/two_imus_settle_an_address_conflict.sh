@@ -13,7 +13,12 @@ lower=$peer
 expect_line dump ' 18EEFF80#0001E06600830080' 20 # the lower NAME claims 80
 expect_line dump ' 18EEFF81#0002E06600830080' 20 # the higher one moves on
 expect_line dump ' 0CF02A81#' 20
-both() { tail -n 20 dump >recent && grep -q ' 0CF02A80#' recent && grep -q ' 0CF02A81#' recent; }
+first=$(count dump ' 0CF02A80#')
+second=$(count dump ' 0CF02A81#')
+both() {
+  [ "$(count dump ' 0CF02A80#')" -ge $((first + 20)) ] &&
+    [ "$(count dump ' 0CF02A81#')" -ge $((second + 20)) ]
+}
 wait_until 10 "data under both addresses" both
 kill "$lower" "$higher"
 wait "$lower" "$higher"

@@ -217,7 +217,9 @@ Verdict LiveChanges::set_machine(const SetCommand& command, const Value& keys) {
     tell(EventKind::released, name, fmt::format("a hand lets {} go", name));
   }
   const SimTime from = parts_.executive.soonest_request();
-  parts_.hand->order(orders);
+  for (const Hand::Order& order : orders) {
+    parts_.executive.ask(order);
+  }
   note({{"verb", "set"}, {"on", command.on}, {"set", command.set}});
   return acts_from(from);
 }

@@ -27,6 +27,11 @@ std::vector<RecordedAct> recorded_events(const fs::path& folder) {
   return events;
 }
 
+bool is_paced(const RecordedRun& run) {
+  const auto clock = parse_clock_mode(run.clock);
+  return clock && clock->paced();
+}
+
 void tell_origin(const RecordedRun& run, const std::string& hash,
                  std::vector<std::string>& remarks) {
   if (run.version != RIGWIRE_VERSION) {
@@ -39,11 +44,11 @@ void tell_origin(const RecordedRun& run, const std::string& hash,
         "{}, recorded {}",
         hash, run.config_hash));
   }
-  if (run.clock != "free" && run.clock != "step") {
-    remarks.push_back(fmt::format(
-        "recorded with the clock {}: what a client commanded may act up to the rig's lead later "
-        "or earlier",
-        run.clock));
+  if (is_paced(run) && !run.tells_requests) {
+    remarks.push_back(
+        fmt::format("recorded with the clock {} before there was requests.log: what a client "
+                    "commanded may act up to the rig's lead later or earlier",
+                    run.clock));
   }
 }
 
@@ -97,6 +102,9 @@ SimTime Rerun::last_instant() const {
 
 void Rerun::add_clients(Rig& rig) {
   rig.executive().add(clients_);
+  if (is_paced(contents_.run) && contents_.run.tells_requests) {
+    rig.executive().hand_over_as(recorded_handovers(recording_));
+  }
 }
 
 void Rerun::join(Recorder& recorder) {

@@ -8,6 +8,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -154,10 +155,12 @@ class Executive::TruthThread {
     });
   }
 
-  /// Gives the requests over and leaves `requests` empty.
-  void post(TruthRequests& requests) {
+  /// Gives the requests over, leaves `requests` empty, and returns the frontier at which they are
+  /// taken.
+  SimTime post(TruthRequests& requests) {
     const std::scoped_lock lock(mutex_);
     requests.move_to(posted_);
+    return next_taken_at_;
   }
 
   /// From which instant on what is posted within the next slice is followed.
@@ -263,6 +266,36 @@ class Executive::TruthThread {
   std::thread thread_;
 };
 
+/// What a free run asks of the truth and hands over later, as a paced one did.
+class Executive::LateRequests {
+ public:
+  /// What is there at the start is taken at once.
+  explicit LateRequests(std::vector<RequestHandover> plan) : plan_(std::move(plan)) {
+    plan_.insert(plan_.begin(), RequestHandover{kStart, kStart});
+  }
+
+  /// When the stations are asked next.
+  [[nodiscard]] SimTime next_asked() const {
+    return next_ == plan_.size() ? kNever : plan_[next_].asked;
+  }
+  /// What they ask now. Precondition: next_asked() != kNever.
+  void hold(TruthRequests& requests) {
+    held_.emplace_back(plan_[next_++].taken, TruthRequests());
+    requests.move_to(held_.back().second);
+  }
+  /// Adds to `requests` what is taken at that frontier.
+  void release(SimTime frontier, TruthRequests& requests) {
+    for (; !held_.empty() && held_.front().first <= frontier; held_.pop_front()) {
+      held_.front().second.move_to(requests);
+    }
+  }
+
+ private:
+  std::vector<RequestHandover> plan_;
+  std::size_t next_ = 0;
+  std::deque<std::pair<SimTime, TruthRequests>> held_;
+};
+
 Executive::Executive(boost::asio::io_context& io, TruthSource& truth) : io_(io), truth_(truth) {}
 
 Executive::~Executive() = default;
@@ -337,6 +370,13 @@ void Executive::collect_requests(TruthRequests& requests) {
   for (StationIndex i = 0; i < stations_.size(); ++i) {
     stations_[i]->collect(i, requests);
   }
+  for (const auto& put : std::exchange(asked_, {})) {
+    put(requests);
+  }
+}
+
+void Executive::hand_over_as(std::vector<RequestHandover> plan) {
+  late_ = std::make_unique<LateRequests>(std::move(plan));
 }
 
 SimTime Executive::next_wakeup() const {
@@ -433,16 +473,25 @@ RunOutcome Executive::run_free(SimTime end, const ClientPatience& clients) {
       io_.run_one();
       continue;
     }
-    if (now_ >= frontier_) {
+    while (late_ && now_ >= late_->next_asked()) {
       requests.clear();
       collect_requests(requests);
+      late_->hold(requests);
+    }
+    if (now_ >= frontier_) {
+      requests.clear();
+      if (late_) {
+        late_->release(frontier_, requests);
+      } else {
+        collect_requests(requests);
+      }
       if (const auto fault = truth_.advance(requests, batch)) {
         fail(*fault);
         break;
       }
       route(batch);
     }
-    run_events(std::min(frontier_, end));
+    run_events(std::min({frontier_, end, late_ ? late_->next_asked() : kNever}));
     transmit_due(now_);
     io_.poll();
     if (clients.taken) {
@@ -490,7 +539,7 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     transmit_due(now_);
     collect_requests(requests);
     if (!requests.empty()) {
-      truth.post(requests);
+      handover_listener_({now_, truth.post(requests)});
     }
     if (now_ >= end) {
       break;

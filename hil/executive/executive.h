@@ -8,7 +8,8 @@
 // back and act from the truth's frontier on, that is up to `lead` later.
 //
 // Free-running, one thread does both, slice by slice, and what is sent does not depend on wall
-// time.
+// time. A paced run is the same run once more when what was asked of the truth is followed from the
+// same frontiers on (hand_over_as()).
 //
 // Time can stand: pause() is acted on between two events, so that whoever is an event source can
 // stop it at an instant of its own with everything before it done. Clients are still served then;
@@ -31,6 +32,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -105,6 +107,14 @@ struct ClientPatience {
   std::function<void()> expired;
 };
 
+/// What stations asked of the truth by an instant, and from which of its frontiers on it followed.
+struct RequestHandover {
+  SimTime asked{};
+  SimTime taken{};
+
+  friend bool operator==(const RequestHandover&, const RequestHandover&) = default;
+};
+
 class Executive {
  public:
   /// Refers to both, and to what is given to add().
@@ -133,7 +143,20 @@ class Executive {
   using SliceListener = std::function<void(SimTime until, const std::vector<double>& state)>;
   void on_slice(SliceListener listener) { slice_listener_ = std::move(listener); }
 
+  /// Hears of everything that is asked of the truth in a paced run, where it hangs on the wall
+  /// clock when the truth follows. On the wire thread, in order of time. Before a run.
+  using HandoverListener = std::function<void(const RequestHandover&)>;
+  void on_handover(HandoverListener listener) { handover_listener_ = std::move(listener); }
+  /// run_free() asks and follows as that paced run did, so that it is the same run. Before it.
+  void hand_over_as(std::vector<RequestHandover> plan);
+
   // On the wire thread, before a run or within it.
+  /// Goes to the truth with what the stations ask next, on the first one's shelves.
+  template <class Request>
+  void ask(const Request& request) {
+    asked_.push_back(
+        [request](TruthRequests& requests) { requests.of<Request>(0).push_back(request); });
+  }
   /// Time stands after the present event.
   void pause();
   void resume();
@@ -169,6 +192,7 @@ class Executive {
 
  private:
   class TruthThread;
+  class LateRequests;
 
   void route(const SampleBatch& batch);
   void advance_to(SimTime instant);
@@ -194,6 +218,8 @@ class Executive {
   SimTime frontier_ = kStart;             ///< Samples are known up to here.
   PacedClock* clock_ = nullptr;           ///< Set while paced.
   TruthThread* truth_thread_ = nullptr;   ///< Set while paced.
+  std::unique_ptr<LateRequests> late_;    ///< Null: what is asked is followed in the next slice.
+  std::vector<std::function<void(TruthRequests&)>> asked_;
   WireStages wire_stages_;
   StageLaps laps_;
   RunOutcome outcome_;   ///< Of the run that goes on, its counts alone.
@@ -201,6 +227,7 @@ class Executive {
   bool behind_ = false;  ///< An overrun that is not made up.
   std::vector<double> machine_state_;
   SliceListener slice_listener_ = [](SimTime, const std::vector<double>&) {};
+  HandoverListener handover_listener_ = [](const RequestHandover&) {};
   std::optional<std::string> fault_;
   bool paused_ = false;
   bool woken_ = false;  ///< Something happened that the paced loop must look at. Wire thread only.

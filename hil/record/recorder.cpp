@@ -439,6 +439,7 @@ Recorder::~Recorder() {
 void Recorder::attach(Executive& executive) {
   executive_ = &executive;
   executive.add(*arrivals_);
+  executive.on_handover([this](const RequestHandover& one) { handover(one); });
 }
 
 WireTap& Recorder::add_wire(const std::string& name, WireKind kind, const std::string& address) {
@@ -488,8 +489,23 @@ void Recorder::command(std::string text) {
     commands_.emplace_back(now, std::move(text));
   } else {
     command_bytes_ = kCommandBytes;  // what comes after a gap is of no use
-    commands_forgotten_ = true;
+    forgotten_ = true;
   }
+}
+
+void Recorder::handover(const RequestHandover& handover) {
+  write(handover);
+  if (handovers_.size() < kHandovers) {
+    handovers_.push_back(handover);
+  } else {
+    forgotten_ = true;
+  }
+}
+
+void Recorder::write(const RequestHandover& handover) {
+  const std::string taken = instant_text(handover.taken);
+  put(kRequestTrack, 0, handover.asked,
+      {reinterpret_cast<const std::uint8_t*>(taken.data()), taken.size()});
 }
 
 void Recorder::begin(const RecordOptions& options) {
@@ -530,7 +546,7 @@ void Recorder::begin(const RecordOptions& options, SimTime from, SimTime truth_f
   RecordedRun run = run_;
   run.begin = from;
   run.truth_begin = truth_from;
-  run.clients_before = from != kStart && (clients_acted_ || commands_forgotten_);
+  run.clients_before = from != kStart && (clients_acted_ || forgotten_);
   const bool with_truth = wanted(kTruthName);
   writer_ = std::make_unique<RecordingWriter>(
       options.folder, std::move(run), chosen, with_truth,
@@ -551,6 +567,9 @@ void Recorder::begin(const RecordOptions& options, SimTime from, SimTime truth_f
   watch_->begin(executive_->now());
   for (const auto& [at, text] : commands_) {
     put(kCommandTrack, 0, at, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+  for (const RequestHandover& handover : handovers_) {
+    write(handover);
   }
   for (const auto& wire : wires_) {
     wire->tell_end(from);

@@ -45,6 +45,7 @@ namespace rigwire::hil {
 
 class Executive;
 class QueuedOutlet;
+struct RequestHandover;
 
 struct RecordOptions {
   std::string folder;             ///< Made where it is not there, else empty; "": none is meant.
@@ -111,6 +112,8 @@ class Recorder {
   /// is on its way, and, of the first kCommandBytes of a run, into those that begin later; one that
   /// begins when there were more says that not all is known (RecordedRun::clients_before).
   void command(std::string text);
+  /// What hung on the wall clock (Executive::on_handover()); likewise, the first kHandovers.
+  void handover(const RequestHandover& handover);
 
   /// Makes the files and begins: before the run with all of it, else with what is due from now on.
   /// Precondition: none is on its way. Throws drivers::EndpointError where the folder cannot be had
@@ -130,6 +133,7 @@ class Recorder {
   static constexpr std::size_t kQueueBytes = 32 * 1024 * 1024;
   /// Of what governed the run since its start, for recordings that begin later.
   static constexpr std::size_t kCommandBytes = 1024 * 1024;
+  static constexpr std::size_t kHandovers = 65536;
   /// How long something waits in memory at most, on its way to the disk.
   static constexpr std::chrono::milliseconds kFlushPeriod{200};
 
@@ -155,6 +159,7 @@ class Recorder {
     return truth_on_.load(std::memory_order_acquire) && at >= truth_from_.load() &&
            at <= until_.load();
   }
+  void write(const RequestHandover& handover);
   void hear(const RunEvent& event);
   void write_all();
   /// The writer has written all that there was.
@@ -168,9 +173,11 @@ class Recorder {
   std::atomic<SimTime> until_{kNever};
   std::atomic<bool> truth_on_{false};
   std::atomic<SimTime> truth_from_{};
-  std::vector<std::pair<SimTime, std::string>> commands_;  ///< Since the run's start.
+  // Since the run's start.
+  std::vector<std::pair<SimTime, std::string>> commands_;
   std::size_t command_bytes_ = 0;
-  bool commands_forgotten_ = false;  ///< There were more.
+  std::vector<RequestHandover> handovers_;
+  bool forgotten_ = false;  ///< There were more.
   bool clients_acted_ = false;
   Executive* executive_ = nullptr;
   std::vector<RecordedWire> about_;  ///< Of all wires.

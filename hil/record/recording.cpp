@@ -123,6 +123,7 @@ RecordingContents read_description(const fs::path& folder, bool& with_truth) {
     contents.run.begin = instant("begin_ns");
     contents.run.truth_begin = instant("truth_begin_ns");
     contents.run.clients_before = json.value("clients_before", false);
+    contents.run.tells_requests = fs::exists(folder / "requests.log");
     if (!json.at("end_ns").is_null()) {
       contents.end = SimTime{Duration{json.at("end_ns").get<std::int64_t>()}};
     }
@@ -236,6 +237,21 @@ RecordingContents read_recording(const fs::path& folder) {
 
 namespace {
 
+/// Seconds with nine decimals.
+std::optional<SimTime> instant_of(std::string_view text) {
+  const std::size_t point = text.find('.');
+  std::int64_t seconds = 0;
+  std::int64_t fraction = 0;
+  const char* const begin = text.data();
+  const char* const end = begin + text.size();
+  const bool is_one = point != std::string_view::npos && text.size() == point + 10 &&
+                      std::from_chars(begin, begin + point, seconds).ptr == begin + point &&
+                      std::from_chars(begin + point + 1, end, fraction).ptr == end &&
+                      seconds >= 0 && seconds < 9'000'000'000 && fraction >= 0;
+  return is_one ? std::optional(SimTime{Duration{seconds * 1'000'000'000 + fraction}})
+                : std::nullopt;
+}
+
 /// Lines of an instant and a text; none where there is no such file.
 std::vector<RecordedAct> read_acts(const fs::path& path) {
   std::vector<RecordedAct> acts;
@@ -250,19 +266,11 @@ std::vector<RecordedAct> read_acts(const fs::path& path) {
       break;  // the run was killed while it was written
     }
     const std::size_t space = line.find(' ');
-    const std::size_t point = line.find('.');
-    std::int64_t seconds = 0;
-    std::int64_t fraction = 0;
-    const char* const text = line.data();
-    const bool is_time =
-        space != std::string::npos && point != std::string::npos && space == point + 10 &&
-        std::from_chars(text, text + point, seconds).ptr == text + point &&
-        std::from_chars(text + point + 1, text + space, fraction).ptr == text + space &&
-        seconds >= 0 && seconds < 9'000'000'000;
-    if (!is_time) {
+    const auto at = instant_of(std::string_view(line).substr(0, space));
+    if (!at || space == std::string::npos) {
       refuse(path, fmt::format("line {}: no instant in seconds with nine decimals", number));
     }
-    acts.push_back({SimTime{Duration{seconds * 1'000'000'000 + fraction}}, line.substr(space + 1)});
+    acts.push_back({*at, line.substr(space + 1)});
   }
   return acts;
 }
@@ -275,6 +283,20 @@ std::vector<RecordedAct> client_acts(const fs::path& folder, const std::string& 
 
 std::vector<RecordedAct> recorded_commands(const fs::path& folder) {
   return read_acts(folder / "commands.log");
+}
+
+std::vector<RequestHandover> recorded_handovers(const fs::path& folder) {
+  const fs::path path = folder / "requests.log";
+  std::vector<RequestHandover> handovers;
+  for (const RecordedAct& act : read_acts(path)) {
+    const auto taken = instant_of(act.text);
+    if (!taken) {
+      refuse(path, fmt::format("at {:.9f} s: found \"{}\", allowed seconds with nine decimals",
+                               to_seconds(act.at), act.text));
+    }
+    handovers.push_back({act.at, *taken});
+  }
+  return handovers;
 }
 
 RecordingContents read_recording_description(const fs::path& folder) {
@@ -416,6 +438,14 @@ void cut_recording(const fs::path& folder, SimTime from, SimTime to, const fs::p
   for (const RecordedAct& act : recorded_commands(folder)) {
     if (act.at < to) {
       writer.write({kCommandTrack,
+                    0,
+                    act.at,
+                    {reinterpret_cast<const std::uint8_t*>(act.text.data()), act.text.size()}});
+    }
+  }
+  for (const RecordedAct& act : read_acts(folder / "requests.log")) {
+    if (act.at < to) {
+      writer.write({kRequestTrack,
                     0,
                     act.at,
                     {reinterpret_cast<const std::uint8_t*>(act.text.data()), act.text.size()}});

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hil/executive/executive.h"
 #include "hil/record/recording_writer.h"
 #include "sim/samples/time.h"
 
@@ -50,7 +51,7 @@ struct RecordingContents {
 /// place where it is none of a recording.
 [[nodiscard]] RecordingContents read_recording(const std::filesystem::path& folder);
 
-/// A line of wires/NAME.ends or commands.log (hil/record/recording_writer.h).
+/// A line of wires/NAME.ends, commands.log or requests.log (hil/record/recording_writer.h).
 struct RecordedAct {
   SimTime at{};
   std::string text;
@@ -60,6 +61,9 @@ struct RecordedAct {
                                                    const std::string& wire);
 /// What governed the run and changed it; likewise.
 [[nodiscard]] std::vector<RecordedAct> recorded_commands(const std::filesystem::path& folder);
+
+/// When the truth was asked and followed, in a run whose clock followed the wall's; likewise.
+[[nodiscard]] std::vector<RequestHandover> recorded_handovers(const std::filesystem::path& folder);
 
 /// The same without looking at packets and messages: what its description says.
 [[nodiscard]] RecordingContents read_recording_description(const std::filesystem::path& folder);

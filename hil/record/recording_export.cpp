@@ -92,8 +92,7 @@ std::size_t export_csv(const std::filesystem::path& folder, TruthTrack topic,
         row[places.at(name)] = field(leaf);
       }
     });
-    const std::int64_t at_ns = at.time_since_epoch().count();
-    file << fmt::format("{}.{:09}", at_ns / 1'000'000'000, at_ns % 1'000'000'000);
+    file << instant_text(at);
     for (const std::string& place : row) {
       file << ',' << place;
     }

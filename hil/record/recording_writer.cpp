@@ -53,6 +53,11 @@ void write_whole(const fs::path& path, std::string_view text, const TellTrouble&
 
 }  // namespace
 
+std::string instant_text(SimTime at) {
+  const std::int64_t at_ns = at.time_since_epoch().count();
+  return fmt::format("{}.{:09}", at_ns / 1'000'000'000, at_ns % 1'000'000'000);
+}
+
 std::string_view name_of(WireKind kind) {
   switch (kind) {
     case WireKind::serial:
@@ -99,6 +104,11 @@ RecordingWriter::RecordingWriter(const fs::path& folder, RecordedRun run,
   }
   commands_ = std::make_unique<BlockFile>(folder_ / "commands.log", tell);
   hil::append(commands_->bytes(), "# seconds, and what governed the run\n");
+  if (run_.tells_requests) {
+    requests_ = std::make_unique<BlockFile>(folder_ / "requests.log", tell);
+    hil::append(requests_->bytes(),
+                "# seconds up to when the truth had been asked, and from when on it followed\n");
+  }
   for (RecordedWire& about : wires) {
     auto wire = std::make_unique<Wire>();
     wire->index = static_cast<std::uint32_t>(wires_.size());
@@ -167,7 +177,7 @@ std::uint64_t RecordingWriter::unix_ns(SimTime at) const {
 void RecordingWriter::lost(std::uint16_t track, std::uint64_t count) {
   if (track < kTruthTracks) {
     totals_.lost_messages += count;
-  } else if (track != kCommandTrack) {
+  } else if (track > kRequestTrack) {
     const std::size_t index = track - wire_track(0);
     wires_[index]->not_there += count;
     totals_.wires[index].lost += count;
@@ -199,6 +209,10 @@ void RecordingWriter::write(const RecordEntry& entry) {
   }
   if (entry.track == kCommandTrack) {
     write_line(*commands_, entry);
+    return;
+  }
+  if (entry.track == kRequestTrack) {
+    write_line(*requests_, entry);
     return;
   }
   const std::size_t index = entry.track - wire_track(0);
@@ -292,10 +306,9 @@ void RecordingWriter::write_piece(Wire& wire, const RecordEntry& entry) {
   const bool inbound = (entry.flags & kInbound) != 0;
   std::vector<std::uint8_t>& waiting = inbound ? wire.received_waiting : wire.sent_waiting;
   const RecordingFile& file = inbound ? *wire.received : *wire.sent;
-  const std::int64_t at_ns = entry.at.time_since_epoch().count();
   hil::append(wire.pieces->bytes(),
-              fmt::format("{}.{:09} {} {} {}\n", at_ns / 1'000'000'000, at_ns % 1'000'000'000,
-                          inbound ? '<' : '>', file.size() + waiting.size(), entry.bytes.size()));
+              fmt::format("{} {} {} {}\n", instant_text(entry.at), inbound ? '<' : '>',
+                          file.size() + waiting.size(), entry.bytes.size()));
   waiting.insert(waiting.end(), entry.bytes.begin(), entry.bytes.end());
   if (waiting.size() >= BlockFile::kWorthWriting) {
     flush_serial(wire);
@@ -303,9 +316,7 @@ void RecordingWriter::write_piece(Wire& wire, const RecordEntry& entry) {
 }
 
 void RecordingWriter::write_line(BlockFile& file, const RecordEntry& entry) {
-  const std::int64_t at_ns = entry.at.time_since_epoch().count();
-  hil::append(file.bytes(), fmt::format("{}.{:09} {}\n", at_ns / 1'000'000'000,
-                                        at_ns % 1'000'000'000, text_of(entry.bytes)));
+  hil::append(file.bytes(), fmt::format("{} {}\n", instant_text(entry.at), text_of(entry.bytes)));
   file.end_unit(0);
 }
 
@@ -340,6 +351,9 @@ void RecordingWriter::flush() {
     all_->flush();
   }
   commands_->flush();
+  if (requests_) {
+    requests_->flush();
+  }
   for (const auto& wire : wires_) {
     wire->packets->flush();
     if (wire->frames) {

@@ -6,6 +6,8 @@
 //   FOLDER/truth.mcap          truth, events, statistics, configuration
 //   FOLDER/commands.log        what governed the run and changed it: "SECONDS {"verb":"set",...}",
 //                              from the run's start on, so that a replay can do the same
+//   FOLDER/requests.log        what hung on the wall clock: "SECONDS SECONDS", up to when the truth
+//                              had been asked and from when on it followed; likewise
 //   FOLDER/wires/NAME.pcapng   one wire
 //   FOLDER/wires/NAME.log      a CAN bus as candump -L -x writes it
 //   FOLDER/wires/NAME.bytes    what a device sent on a serial line
@@ -42,6 +44,8 @@
 
 namespace rigwire::hil {
 
+/// Of a recording's lines: seconds with nine decimals.
+[[nodiscard]] std::string instant_text(SimTime at);
 /// "serial", "can", "ethernet".
 [[nodiscard]] std::string_view name_of(WireKind kind);
 
@@ -58,6 +62,7 @@ struct RecordedRun {
   SimTime begin{};              ///< What is due from here on is recorded.
   SimTime truth_begin{};        ///< The truth from here on: it runs ahead of the wires.
   bool clients_before = false;  ///< Clients had acted before, which nobody knows any more.
+  bool tells_requests = true;   ///< False: from when there was no requests.log.
   CloudSettings clouds{};
 };
 
@@ -69,9 +74,11 @@ struct RecordedWire {
 
 /// Of lines of commands.log, without the instant.
 inline constexpr std::uint16_t kCommandTrack = kTruthTracks;
+/// Likewise of requests.log.
+inline constexpr std::uint16_t kRequestTrack = kCommandTrack + 1;
 /// The track of a wire by its index.
 [[nodiscard]] constexpr std::uint16_t wire_track(std::size_t wire) {
-  return static_cast<std::uint16_t>(kCommandTrack + 1 + wire);
+  return static_cast<std::uint16_t>(kRequestTrack + 1 + wire);
 }
 
 // Flags of an entry of a wire. Bytes are those of a packet of its link type, on a serial line those
@@ -131,6 +138,7 @@ class RecordingWriter {
   std::vector<std::unique_ptr<Wire>> wires_;
   std::unique_ptr<BlockFile> all_;  ///< Null while there is no wire.
   std::unique_ptr<BlockFile> commands_;
+  std::unique_ptr<BlockFile> requests_;
   std::unique_ptr<RecordingFile> truth_;
   std::optional<protocols::mcap::Writer> messages_;
   RecordingTotals totals_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <span>
 #include <utility>
 
 namespace rigwire::hil {
@@ -83,11 +84,6 @@ void visit(fields::Visitor& v, HandSettings& p) {
 
 Hand::Hand(sim::Machine& machine) : machine_(machine), settings_(machine) {}
 
-void Hand::order(std::span<const Order> orders) {
-  const std::scoped_lock lock(mutex_);
-  posted_.insert(posted_.end(), orders.begin(), orders.end());
-}
-
 bool Hand::holds(Kind kind) const {
   return std::ranges::any_of(settings_.rows(), [&](const HandSettings::Row& row) {
     return row.kind == kind && values_.contains(row.name);
@@ -114,14 +110,9 @@ void Hand::lay(SimTime frontier, const Shelves& requests) {
       power_unit_anew = true;
     }
   }
-  std::vector<Order> orders;
-  {
-    const std::scoped_lock lock(mutex_);
-    std::swap(orders, posted_);
-  }
-  bool changed = false;
-  for (const Order& order : orders) {
-    changed = true;
+  const std::vector<Order>* const orders = requests.find<Order>(0);
+  const bool changed = orders != nullptr && !orders->empty();
+  for (const Order& order : changed ? std::span(*orders) : std::span<const Order>()) {
     if (order.value) {
       values_[order.row.name] = *order.value;
     } else {

@@ -11,9 +11,7 @@
 
 #include <cstddef>
 #include <map>
-#include <mutex>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -66,16 +64,15 @@ class Hand {
   /// What can be set, each with its value at rest.
   [[nodiscard]] const HandSettings& settings() const { return settings_; }
 
-  /// All at once: `value` nothing: it is released. Rows are those of settings().
+  /// What is asked of the truth: `value` nothing: it is released. Rows are those of settings().
   struct Order {
     HandSettings::Row row;
     std::optional<double> value;
   };
-  void order(std::span<const Order> orders);
 
   /// Before the devices' commands of a slice are taken.
   void lift();
-  /// Behind them: `requests` has what they are.
+  /// Behind them: `requests` has what they are, and the orders.
   void lay(SimTime frontier, const Shelves& requests);
   /// Of the set points that it holds at present; the names hold as long as the hand.
   [[nodiscard]] const std::vector<std::string_view>& held() const { return held_; }
@@ -93,9 +90,6 @@ class Hand {
   std::optional<ValveCommand> valves_;  ///< The client's, while the hand holds an actuator.
   VehicleCommand vehicle_;              ///< The client's.
   PowerUnitCommand power_unit_;         ///< Likewise.
-
-  std::mutex mutex_;
-  std::vector<Order> posted_;
 };
 
 }  // namespace rigwire::hil

@@ -99,6 +99,23 @@ TEST_F(ReplayedRig, WithClientsOfModbusUbxAndCanIsTheSameRunAgain) {
   EXPECT_THAT(printed_, AllOf(HasSubstr("gnss      clients  1 "), HasSubstr("equal to ")));
 }
 
+TEST_F(ReplayedRig, ARunInRealTimeThatClientAndHandMoveIsTheSameRunAgain) {
+  const std::string control = "unix:" + folder("control").string();
+  ChildProcess rig(run({"--control", control}), folder("rig.log"));
+  ASSERT_TRUE(eventually([&] { return wires_.are_up(); })) << rig.output();
+  const std::string write =
+      "mbpoll -m tcp -p " + std::to_string(wires_.modbus_port) + " -a 1 -0 -t 4 -r 0 127.0.0.1 ";
+  shell("for i in 1 2 3 4 5 6; do " + write + "300 200 -250; sleep 0.07; done; " + write + "0 0 0");
+  shell(std::string(kProgram) + " ctl " + control + " set boom=0.5 swing=-0.3; sleep 0.3; " +
+        kProgram + " ctl " + control + " set boom= swing=");
+  rig.signal(SIGINT);
+  ASSERT_EQ(rig.wait(20s), 130) << rig.output();
+  EXPECT_EQ(verify(), 0) << printed_;
+  // It hung on the wall clock from when on the machine followed.
+  std::ofstream(folder("a") / "requests.log") << "# nothing\n";
+  EXPECT_EQ(verify(), 5) << printed_;
+}
+
 TEST_F(ReplayedRig, IsToldByTheFirstByteThatDiffersWithMessageAndField) {
   free_run();
   EXPECT_EQ(verify(), 0) << printed_;

@@ -180,6 +180,44 @@ TEST(Executive, PacedACommandReachesTheTruthOnce) {
   EXPECT_EQ(rig.truth.heated[0].power_w, 20.0);
 }
 
+TEST(Executive, APacedRunIsTheSameRunFreelyWhenItIsHandedOverAsThen) {
+  Rig paced;
+  paced.probe.heats_from = kStart + 50ms;
+  std::vector<RequestHandover> handovers;
+  paced.executive.on_handover([&](const RequestHandover& one) { handovers.push_back(one); });
+  PacedSettings settings;
+  settings.overrun_limit = 10s;
+  paced.executive.run_paced(settings, kStart + 200ms);
+  ASSERT_EQ(handovers.size(), 1U) << "the plan of the start is no news";
+  Rig again;
+  again.probe.heats_from = kStart + 50ms;
+  again.executive.hand_over_as(handovers);
+  again.executive.run_free(kStart + 200ms);
+  ASSERT_EQ(again.truth.heated.size(), 1U);
+  EXPECT_EQ(again.truth.heated[0].at, paced.truth.heated[0].at);
+  EXPECT_EQ(again.statistics.hash.value(), paced.statistics.hash.value());
+}
+
+TEST(Executive, WhatIsHandedOverLaterIsFollowedThenAndWhatIsNeverAskedNever) {
+  const auto heated = [](const std::vector<RequestHandover>& plan) {
+    Rig rig;
+    rig.probe.heats_from = kStart + 50ms;
+    rig.executive.hand_over_as(plan);
+    rig.executive.run_free(kStart + 100ms);
+    rig.executive.run_free(kStart + 200ms);
+    return rig.truth.heated;
+  };
+  // Between two slices, at one's end, across two calls.
+  for (const auto& [asked, taken] : std::vector<std::pair<Duration, Duration>>{
+           {50ms + 1ns, 56ms}, {52ms, 52ms}, {61ms, 150ms}}) {
+    const auto at = heated({{kStart + asked, kStart + taken}});
+    ASSERT_EQ(at.size(), 1U);
+    EXPECT_EQ(at[0].at, kStart + taken);
+  }
+  EXPECT_TRUE(heated({{kStart + 49ms, kStart + 56ms}}).empty()) << "asked before it wanted";
+  EXPECT_TRUE(heated({}).empty());
+}
+
 TEST(Executive, ADeviceThatDoesNotMoveOnEndsTheRunInsteadOfHanging) {
   Rig rig;
   rig.probe.stuck = true;

@@ -70,13 +70,11 @@ class ReplayedMotion : public testing::Test {
     RunEvents events;
     Recorder recorder(std::move(about), 10min, failures, events);
     Rig rig(configuration, io, {}, nullptr, {}, &recorder);
-    std::vector<Hand::Order> orders;
     for (const auto& [set_point, value] : hand) {
       HandSettings::Row row = *rig.hand().settings().find(set_point);
       row.value = value;
-      orders.push_back({row, value});
+      rig.executive().ask(Hand::Order{row, value});
     }
-    rig.hand().order(orders);
     recorder.begin({folder(name).string(), {}});
     const RunOutcome outcome = rig.executive().run_free(kStart + length);
     EXPECT_FALSE(outcome.fault) << *outcome.fault;

@@ -104,7 +104,7 @@ class FaultPortOf final : public FaultPort {
 
   std::optional<Id> meet(Id id, SimTime now, SimTime at) override {
     Fault fault = book_.find(id);
-    const SimTime begin = std::max(at, acts_.soonest ? acts_.soonest(now) : now);
+    const SimTime begin = std::max(at, acts_.soonest ? acts_.soonest(at) : now);
     // Another one in its place: what waited never began.
     end(id, now);
     fault.when.when = {};

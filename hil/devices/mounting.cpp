@@ -63,8 +63,7 @@ void check_band(const sim::JammingFault& jamming, std::size_t index, RadioBands 
   }
 }
 
-std::unique_ptr<FaultPort> antenna_faults(const Executive& executive, Station& station,
-                                          RadioBands bands,
+std::unique_ptr<FaultPort> antenna_faults(Executive& executive, Station& station, RadioBands bands,
                                           const std::vector<sim::GnssFault>& faults) {
   return truth_faults<sim::GnssFault>(
       executive, station, faults, [bands](const sim::GnssFault& fault) {

@@ -28,8 +28,8 @@ enum class RadioBands : unsigned char { one, two };
 
 /// The port for more of them, as truth_faults() makes it. What happens to one band alone is refused
 /// where there is but one.
-[[nodiscard]] std::unique_ptr<FaultPort> antenna_faults(const Executive& executive,
-                                                        Station& station, RadioBands bands,
+[[nodiscard]] std::unique_ptr<FaultPort> antenna_faults(Executive& executive, Station& station,
+                                                        RadioBands bands,
                                                         const std::vector<sim::GnssFault>& faults);
 /// The same of fault `index` in the list of a rig's file; `at`: the path of the device's keys.
 void check_band(const sim::JammingFault& jamming, std::size_t index, RadioBands bands,

@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -270,8 +271,15 @@ class Executive::TruthThread {
 class Executive::LateRequests {
  public:
   /// What is there at the start is taken at once.
-  explicit LateRequests(std::vector<RequestHandover> plan) : plan_(std::move(plan)) {
-    plan_.insert(plan_.begin(), RequestHandover{kStart, kStart});
+  explicit LateRequests(const std::vector<RequestHandover>& plan) {
+    plan_.push_back({kStart, kStart});
+    for (const RequestHandover& one : plan) {
+      if (one.promised) {
+        promised_.emplace(one.asked, one.taken);
+      } else {
+        plan_.push_back(one);
+      }
+    }
   }
 
   /// When the stations are asked next.
@@ -283,6 +291,11 @@ class Executive::LateRequests {
     held_.emplace_back(plan_[next_++].taken, TruthRequests());
     requests.move_to(held_.back().second);
   }
+  /// What was promised then, each once; nothing: it was not asked for.
+  std::optional<SimTime> promised(SimTime asked) {
+    auto found = promised_.extract(asked);
+    return found ? std::optional(found.mapped()) : std::nullopt;
+  }
   /// Adds to `requests` what is taken at that frontier.
   void release(SimTime frontier, TruthRequests& requests) {
     for (; !held_.empty() && held_.front().first <= frontier; held_.pop_front()) {
@@ -293,6 +306,7 @@ class Executive::LateRequests {
  private:
   std::vector<RequestHandover> plan_;
   std::size_t next_ = 0;
+  std::multimap<SimTime, SimTime> promised_;
   std::deque<std::pair<SimTime, TruthRequests>> held_;
 };
 
@@ -375,8 +389,8 @@ void Executive::collect_requests(TruthRequests& requests) {
   }
 }
 
-void Executive::hand_over_as(std::vector<RequestHandover> plan) {
-  late_ = std::make_unique<LateRequests>(std::move(plan));
+void Executive::hand_over_as(const std::vector<RequestHandover>& plan) {
+  late_ = std::make_unique<LateRequests>(plan);
 }
 
 SimTime Executive::next_wakeup() const {
@@ -401,9 +415,15 @@ SimTime Executive::present() const {
                            : std::min(frontier_, clock_->at(std::chrono::steady_clock::now()));
 }
 
-SimTime Executive::soonest_request() const {
+SimTime Executive::soonest_request(SimTime asked) {
   // What lies at the frontier itself is known.
-  return (truth_thread_ == nullptr ? frontier_ : truth_thread_->soonest_request()) + Duration{1};
+  constexpr Duration kBehind{1};
+  if (truth_thread_ != nullptr) {
+    const SimTime soonest = truth_thread_->soonest_request() + kBehind;
+    handover_listener_({asked, soonest, true});
+    return soonest;
+  }
+  return (late_ ? late_->promised(asked) : std::nullopt).value_or(frontier_ + kBehind);
 }
 
 void Executive::stop() {

@@ -111,6 +111,7 @@ struct ClientPatience {
 struct RequestHandover {
   SimTime asked{};
   SimTime taken{};
+  bool promised = false;  ///< Nothing was handed over: soonest_request() said so.
 
   friend bool operator==(const RequestHandover&, const RequestHandover&) = default;
 };
@@ -143,12 +144,12 @@ class Executive {
   using SliceListener = std::function<void(SimTime until, const std::vector<double>& state)>;
   void on_slice(SliceListener listener) { slice_listener_ = std::move(listener); }
 
-  /// Hears of everything that is asked of the truth in a paced run, where it hangs on the wall
-  /// clock when the truth follows. On the wire thread, in order of time. Before a run.
+  /// Hears of everything that is asked of the truth in a paced run, and promised, where it hangs on
+  /// the wall clock when the truth follows. On the wire thread, in order of time. Before a run.
   using HandoverListener = std::function<void(const RequestHandover&)>;
   void on_handover(HandoverListener listener) { handover_listener_ = std::move(listener); }
   /// run_free() asks and follows as that paced run did, so that it is the same run. Before it.
-  void hand_over_as(std::vector<RequestHandover> plan);
+  void hand_over_as(const std::vector<RequestHandover>& plan);
 
   // On the wire thread, before a run or within it.
   /// Goes to the truth with what the stations ask next, on the first one's shelves.
@@ -177,7 +178,9 @@ class Executive {
   /// Up to where samples are known, which machine_state() is of; not before now().
   [[nodiscard]] SimTime frontier() const { return frontier_; }
   /// The first instant from which the truth follows what is asked of it now.
-  [[nodiscard]] SimTime soonest_request() const;
+  [[nodiscard]] SimTime soonest_request() { return soonest_request(now_); }
+  /// The same for what comes of the slice up to `asked`.
+  [[nodiscard]] SimTime soonest_request(SimTime asked);
   /// As now(), from any thread.
   [[nodiscard]] SimTime reached() const { return reached_.load(std::memory_order_relaxed); }
   /// Given up so far against wall time because the host stalled.

@@ -503,7 +503,7 @@ void Recorder::handover(const RequestHandover& handover) {
 }
 
 void Recorder::write(const RequestHandover& handover) {
-  const std::string taken = instant_text(handover.taken);
+  const std::string taken = instant_text(handover.taken) + (handover.promised ? kPromised : "");
   put(kRequestTrack, 0, handover.asked,
       {reinterpret_cast<const std::uint8_t*>(taken.data()), taken.size()});
 }

@@ -289,12 +289,15 @@ std::vector<RequestHandover> recorded_handovers(const fs::path& folder) {
   const fs::path path = folder / "requests.log";
   std::vector<RequestHandover> handovers;
   for (const RecordedAct& act : read_acts(path)) {
-    const auto taken = instant_of(act.text);
+    const bool promised = act.text.ends_with(kPromised);
+    const std::string_view text(act.text);
+    const auto taken = instant_of(
+        promised ? text.substr(0, text.size() - std::string_view(kPromised).size()) : text);
     if (!taken) {
       refuse(path, fmt::format("at {:.9f} s: found \"{}\", allowed seconds with nine decimals",
                                to_seconds(act.at), act.text));
     }
-    handovers.push_back({act.at, *taken});
+    handovers.push_back({act.at, *taken, promised});
   }
   return handovers;
 }

@@ -7,7 +7,8 @@
 //   FOLDER/commands.log        what governed the run and changed it: "SECONDS {"verb":"set",...}",
 //                              from the run's start on, so that a replay can do the same
 //   FOLDER/requests.log        what hung on the wall clock: "SECONDS SECONDS", up to when the truth
-//                              had been asked and from when on it followed; likewise
+//                              had been asked and from when on it followed, and "SECONDS SECONDS
+//                              promised", from when on it would; likewise
 //   FOLDER/wires/NAME.pcapng   one wire
 //   FOLDER/wires/NAME.log      a CAN bus as candump -L -x writes it
 //   FOLDER/wires/NAME.bytes    what a device sent on a serial line
@@ -76,6 +77,8 @@ struct RecordedWire {
 inline constexpr std::uint16_t kCommandTrack = kTruthTracks;
 /// Likewise of requests.log.
 inline constexpr std::uint16_t kRequestTrack = kCommandTrack + 1;
+/// Behind what was only promised.
+inline constexpr const char* kPromised = " promised";
 /// The track of a wire by its index.
 [[nodiscard]] constexpr std::uint16_t wire_track(std::size_t wire) {
   return static_cast<std::uint16_t>(kRequestTrack + 1 + wire);

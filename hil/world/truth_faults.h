@@ -18,7 +18,7 @@ namespace rigwire::hil {
 /// std::invalid_argument at one that there cannot be.
 template <class Fault>
 [[nodiscard]] std::unique_ptr<FaultPort> truth_faults(
-    const Executive& executive, Station& station, const std::vector<Fault>& faults,
+    Executive& executive, Station& station, const std::vector<Fault>& faults,
     std::function<void(const Fault&)> refuse = [](const Fault&) {}) {
   using Change = FaultChange<Fault>;
   FaultActs<Fault> acts;
@@ -30,7 +30,7 @@ template <class Fault>
     station.send(Change{.begin = {}, .end_of = id, .end_at = at});
     return true;
   };
-  acts.soonest = [&executive](SimTime now) { return std::max(now, executive.soonest_request()); };
+  acts.soonest = [&executive](SimTime at) { return std::max(at, executive.soonest_request(at)); };
   return make_fault_port<Fault>(faults, std::move(acts));
 }
 

@@ -106,8 +106,12 @@ TEST_F(ReplayedRig, ARunInRealTimeThatClientAndHandMoveIsTheSameRunAgain) {
   const std::string write =
       "mbpoll -m tcp -p " + std::to_string(wires_.modbus_port) + " -a 1 -0 -t 4 -r 0 127.0.0.1 ";
   shell("for i in 1 2 3 4 5 6; do " + write + "300 200 -250; sleep 0.07; done; " + write + "0 0 0");
-  shell(std::string(kProgram) + " ctl " + control + " set boom=0.5 swing=-0.3; sleep 0.3; " +
-        kProgram + " ctl " + control + " set boom= swing=");
+  const auto ctl = [&](const std::string& what) {
+    return std::string(kProgram) + " ctl " + control + " " + what + "; ";
+  };
+  shell(ctl("set boom=0.5 swing=-0.3") + ctl("set on=air fog=60m") +
+        ctl("fault_add on=machine.engine fault='{type: derate, share: 40 %}'") + "sleep 0.3; " +
+        ctl("set boom= swing=") + ctl("set on=air fog=") + ctl("fault_clear id=2") + "sleep 0.3");
   rig.signal(SIGINT);
   ASSERT_EQ(rig.wait(20s), 130) << rig.output();
   EXPECT_EQ(verify(), 0) << printed_;

@@ -218,6 +218,15 @@ TEST(Executive, WhatIsHandedOverLaterIsFollowedThenAndWhatIsNeverAskedNever) {
   EXPECT_TRUE(heated({}).empty());
 }
 
+TEST(Executive, WhatWasPromisedIsPromisedAgainOnceAtItsInstant) {
+  Rig rig;
+  rig.executive.hand_over_as({{kStart, kStart + 6ms, true}, {kStart, kStart + 8ms, true}});
+  EXPECT_EQ(rig.executive.soonest_request(), kStart + 6ms);
+  EXPECT_EQ(rig.executive.soonest_request(), kStart + 8ms);
+  EXPECT_EQ(rig.executive.soonest_request(), kStart + 1ns) << "as that of a free run";
+  EXPECT_EQ(rig.executive.soonest_request(kStart + 2ms), kStart + 1ns);
+}
+
 TEST(Executive, ADeviceThatDoesNotMoveOnEndsTheRunInsteadOfHanging) {
   Rig rig;
   rig.probe.stuck = true;

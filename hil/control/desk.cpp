@@ -12,8 +12,8 @@
 #include "hil/configuration/problems.h"
 #include "hil/configuration/suggest.h"
 #include "hil/control/live_changes.h"
+#include "hil/control/ruling.h"
 #include "hil/control/showing.h"
-#include "hil/control/verdict.h"
 
 namespace rigwire::hil {
 namespace {
@@ -525,11 +525,11 @@ Json Desk::machine() const {
           {"settable", changes_->set_points()}};
 }
 
-void Desk::reply(const Answer& answer, Verdict verdict) {
-  if (verdict.outcome == Reply::Outcome::done) {
-    done(answer, std::move(verdict.told));
+void Desk::reply(const Answer& answer, Ruling ruling) {
+  if (ruling.outcome == Reply::Outcome::done) {
+    done(answer, std::move(ruling.told));
   } else {
-    refuse(answer, verdict.outcome, std::move(verdict.told));
+    refuse(answer, ruling.outcome, std::move(ruling.told));
   }
 }
 

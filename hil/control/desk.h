@@ -46,7 +46,7 @@ namespace rigwire::hil {
 
 class LiveChanges;
 class Showing;
-struct Verdict;
+struct Ruling;
 
 /// The run that the desk governs.
 struct GovernedRun {
@@ -158,7 +158,7 @@ class Desk final : public EventSource {
   void arrive_at(SimTime now);
   [[nodiscard]] bool is_there(const Journey& journey) const;
 
-  void reply(const Answer& answer, Verdict verdict);
+  void reply(const Answer& answer, Ruling ruling);
   void done(const Answer& answer, nlohmann::ordered_json more);
   /// Is told as an event, unless the run has ended.
   void refuse(const Answer& answer, Reply::Outcome outcome, nlohmann::ordered_json why);

@@ -46,13 +46,13 @@ Value scalar_like(const Value& like, std::string text) {
           .folder = like.folder};
 }
 
-Verdict acts_from(SimTime instant) {
+Ruling acts_from(SimTime instant) {
   return {.told = {{"acts_from_ns", nanoseconds(instant)}}};
 }
 
 }  // namespace
 
-Verdict LiveChanges::begin(const FaultAddCommand& command) {
+Ruling LiveChanges::begin(const FaultAddCommand& command) {
   Problems problems;
   Value keys = parse_request(command.fault, "fault", problems);
   const Value* const type_key = keys.find("type");
@@ -65,7 +65,7 @@ Verdict LiveChanges::begin(const FaultAddCommand& command) {
   try {
     const auto begun =
         problems.empty() ? begin_fault(command.on, std::move(keys), problems) : std::nullopt;
-    return begun ? Verdict{.told = {{"fault", json_of(*begun)}}} : wrong(problems);
+    return begun ? Ruling{.told = {{"fault", json_of(*begun)}}} : wrong(problems);
   } catch (const NoSuchFault& error) {
     return wrong(json_of(error));
   } catch (const std::invalid_argument& error) {
@@ -92,7 +92,7 @@ std::optional<RigFaults::Numbered> LiveChanges::begin_fault(const std::string& o
   return begun;
 }
 
-Verdict LiveChanges::end(const FaultClearCommand& command) {
+Ruling LiveChanges::end(const FaultClearCommand& command) {
   try {
     return {.told = {{"fault", json_of(end_fault(command.id))}}};
   } catch (const NoSuchFault& error) {
@@ -159,7 +159,7 @@ std::vector<LiveChanges::Setting> LiveChanges::settings() const {
   return all;
 }
 
-Verdict LiveChanges::set(const SetCommand& command) {
+Ruling LiveChanges::set(const SetCommand& command) {
   const std::vector<std::string> allowed = keys(command.on);
   if (allowed.empty()) {
     return wrong({{"what", "nothing of that name can be set"},
@@ -184,7 +184,7 @@ Verdict LiveChanges::set(const SetCommand& command) {
   return command.on == kAir ? set_air(keys) : set_device(command, keys);
 }
 
-Verdict LiveChanges::set_machine(const SetCommand& command, const Value& keys) {
+Ruling LiveChanges::set_machine(const SetCommand& command, const Value& keys) {
   Problems problems;
   Origins origins;
   HandSettings settings = parts_.hand->settings();
@@ -224,7 +224,7 @@ Verdict LiveChanges::set_machine(const SetCommand& command, const Value& keys) {
   return acts_from(from);
 }
 
-Verdict LiveChanges::set_air(const Value& keys) {
+Ruling LiveChanges::set_air(const Value& keys) {
   struct Change {
     const AirKey* of;
     std::optional<std::string> value;  ///< Nothing: it is let go.
@@ -261,7 +261,7 @@ Verdict LiveChanges::set_air(const Value& keys) {
       for (const auto& [of, brought] : begun) {
         end_fault(brought.id);
       }
-      Verdict refusal = wrong(problems);
+      Ruling refusal = wrong(problems);
       refusal.told["path"] = change.of->kind;
       return refusal;
     }
@@ -283,7 +283,7 @@ Verdict LiveChanges::set_air(const Value& keys) {
   return acts_from(from);
 }
 
-Verdict LiveChanges::set_device(const SetCommand& command, const Value& keys) {
+Ruling LiveChanges::set_device(const SetCommand& command, const Value& keys) {
   const SimTime now = parts_.executive.now();
   const RigSettings::Outcome outcome = parts_.settings->tell(now, command.on, keys);
   Json told = Json::object();

@@ -14,7 +14,7 @@
 
 #include "hil/configuration/document.h"
 #include "hil/control/commands.h"
-#include "hil/control/verdict.h"
+#include "hil/control/ruling.h"
 #include "hil/executive/executive.h"
 #include "hil/record/recorder.h"
 #include "hil/record/run_events.h"
@@ -37,10 +37,10 @@ class LiveChanges {
   };
   explicit LiveChanges(Parts parts) : parts_(parts) {}
 
-  [[nodiscard]] Verdict begin(const FaultAddCommand& command);
-  [[nodiscard]] Verdict end(const FaultClearCommand& command);
+  [[nodiscard]] Ruling begin(const FaultAddCommand& command);
+  [[nodiscard]] Ruling end(const FaultClearCommand& command);
   /// All of its keys or none; of a device those before the one that it refuses.
-  [[nodiscard]] Verdict set(const SetCommand& command);
+  [[nodiscard]] Ruling set(const SetCommand& command);
 
   /// What `set` can set, and its value as a rig's file has it; empty: no hand holds it.
   struct Setting {
@@ -62,9 +62,9 @@ class LiveChanges {
     std::string value;  ///< As it was written.
   };
 
-  [[nodiscard]] Verdict set_machine(const SetCommand& command, const Value& keys);
-  [[nodiscard]] Verdict set_air(const Value& keys);
-  [[nodiscard]] Verdict set_device(const SetCommand& command, const Value& keys);
+  [[nodiscard]] Ruling set_machine(const SetCommand& command, const Value& keys);
+  [[nodiscard]] Ruling set_air(const Value& keys);
+  [[nodiscard]] Ruling set_device(const SetCommand& command, const Value& keys);
   /// What has keys().
   [[nodiscard]] std::vector<std::string> things() const;
   [[nodiscard]] std::string value(const std::string& on, const std::string& key) const;

@@ -1,4 +1,4 @@
-#include "hil/control/verdict.h"
+#include "hil/control/ruling.h"
 
 #include <array>
 #include <string_view>
@@ -12,7 +12,7 @@ namespace rigwire::hil {
 
 using Json = nlohmann::ordered_json;
 
-Verdict wrong(const Problems& problems) {
+Ruling wrong(const Problems& problems) {
   return wrong(json_of(problems.sorted().front()));
 }
 

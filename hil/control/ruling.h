@@ -18,18 +18,18 @@
 namespace rigwire::hil {
 
 /// A Reply without `ok`, `time_ns` and `paused`.
-struct Verdict {
+struct Ruling {
   Reply::Outcome outcome = Reply::Outcome::done;
   nlohmann::ordered_json told;
 };
 
 /// `why`: what, path, found, allowed.
-[[nodiscard]] inline Verdict wrong(nlohmann::ordered_json why) {
+[[nodiscard]] inline Ruling wrong(nlohmann::ordered_json why) {
   return {Reply::Outcome::wrong, std::move(why)};
 }
 /// The first of them.
-[[nodiscard]] Verdict wrong(const Problems& problems);
-[[nodiscard]] inline Verdict refused(nlohmann::ordered_json why) {
+[[nodiscard]] Ruling wrong(const Problems& problems);
+[[nodiscard]] inline Ruling refused(nlohmann::ordered_json why) {
   return {Reply::Outcome::refused, std::move(why)};
 }
 

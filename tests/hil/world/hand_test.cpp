@@ -52,8 +52,7 @@ class Puppet final : public sim::Machine, public sim::ValvePort, public sim::Veh
 class HandTest : public testing::Test {
  protected:
   void order(const std::string& name, std::optional<double> value) {
-    const std::vector<Hand::Order> orders{{*hand_.settings().find(name), value}};
-    hand_.order(orders);
+    asked_.of<Hand::Order>(0).push_back({*hand_.settings().find(name), value});
   }
   /// One slice, in which the client may command its valves or its vehicle.
   void slice(std::optional<double> boom = {}, std::optional<double> brake = {}) {
@@ -70,11 +69,13 @@ class HandTest : public testing::Test {
       machine_.command(command);
       requests.of<VehicleCommand>(3).push_back(command);
     }
+    asked_.move_to(requests);
     hand_.lay(kStart, requests);
   }
 
   Puppet machine_;
   Hand hand_{machine_};
+  Shelves asked_;  ///< By a hand.
 };
 
 TEST_F(HandTest, TheHandsValueHoldsAndTheClientsGoesOnUnderIt) {

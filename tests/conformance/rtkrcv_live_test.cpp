@@ -145,8 +145,8 @@ TEST_F(RtkrcvLive, FixesOnWhatTheBaseStationSendsThroughTheCaster) {
       << rtkrcv.output();
   boost::asio::write(terminal, boost::asio::buffer(std::string("start\r\n")));
 
-  // Navigation messages come satellite by satellite. An epoch with few of them can be fixed on wrong
-  // integers, as in the field: the first ones are not judged.
+  // Navigation messages come satellite by satellite. An epoch with few of them can be fixed on
+  // wrong integers, as in the field: the first ones are not judged.
   constexpr std::size_t kFirst = 10;
   constexpr std::size_t kJudged = 15;
   std::vector<Fix> fixed;

@@ -52,11 +52,13 @@ std::map<std::string, std::string> values_of(const RigConfiguration& configurati
   return values;
 }
 
-/// What a wire or a written file is found by, as far as names tell. TCP ports may stay where the
-/// address beside them does not.
+/// What a wire or a written file is found by, as far as names tell, wherever this clone stands. TCP
+/// ports may stay where the address beside them does not.
 bool is_place(const std::string& key, const std::string& value) {
   const std::string name = key.substr(key.rfind('.') + 1);
-  return (value.starts_with("/tmp/") || value.starts_with("127.") || name == "position_port") &&
+  const bool read = value.starts_with(RIGWIRE_SOURCE_DIR "/configs/");
+  return ((value.starts_with("/tmp/") && !read) || value.starts_with("127.") ||
+          name == "position_port") &&
          !value.empty();
 }
 

@@ -3,8 +3,8 @@
 #
 #   scripts/build.sh PRESET [TARGET...]
 #
-# `release` and `check` share the folder build/: once `check` has added the tests to it, they stay,
-# and nothing that is built is built again.
+# `release` and `check` share the folder build/: once `check` has added the tests to it, they stay.
+# That first `check` builds again what `release` built, since only it has the compiler's warnings.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -483,7 +483,7 @@ void Recorder::expect(const FaultWindow& fault) {
 
 void Recorder::command(std::string text) {
   const SimTime now = executive_->now();
-  put(kCommandTrack, 0, now, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  put_line(kCommandTrack, now, text);
   if (text.size() <= kCommandBytes - command_bytes_) {
     command_bytes_ += text.size();
     commands_.emplace_back(now, std::move(text));
@@ -494,7 +494,7 @@ void Recorder::command(std::string text) {
 }
 
 void Recorder::handover(const RequestHandover& handover) {
-  write(handover);
+  put_line(handover);
   if (handovers_.size() < kHandovers) {
     handovers_.push_back(handover);
   } else {
@@ -502,10 +502,9 @@ void Recorder::handover(const RequestHandover& handover) {
   }
 }
 
-void Recorder::write(const RequestHandover& handover) {
-  const std::string taken = instant_text(handover.taken) + (handover.promised ? kPromised : "");
-  put(kRequestTrack, 0, handover.asked,
-      {reinterpret_cast<const std::uint8_t*>(taken.data()), taken.size()});
+void Recorder::put_line(const RequestHandover& handover) {
+  put_line(kRequestTrack, handover.asked,
+           instant_text(handover.taken) + (handover.promised ? kPromised : ""));
 }
 
 void Recorder::begin(const RecordOptions& options) {
@@ -566,10 +565,10 @@ void Recorder::begin(const RecordOptions& options, SimTime from, SimTime truth_f
   truth_on_.store(with_truth, std::memory_order_release);
   watch_->begin(executive_->now());
   for (const auto& [at, text] : commands_) {
-    put(kCommandTrack, 0, at, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    put_line(kCommandTrack, at, text);
   }
   for (const RequestHandover& handover : handovers_) {
-    write(handover);
+    put_line(handover);
   }
   for (const auto& wire : wires_) {
     wire->tell_end(from);
@@ -590,6 +589,12 @@ void Recorder::put_told(std::uint16_t track, std::uint8_t flags, SimTime at,
         fmt::format("the recording is not complete: its disk takes less than passes; what does not "
                     "fit into {} MB of memory is lost",
                     kQueueBytes / 1'048'576));
+  }
+}
+
+void Recorder::put_line(std::uint16_t track, SimTime at, std::string_view text) {
+  if (folder_) {
+    put_told(track, 0, at, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
 }
 

@@ -150,6 +150,9 @@ class Recorder {
   void put_told(std::uint16_t track, std::uint8_t flags, SimTime at,
                 std::span<const std::uint8_t> bytes);
   void put(TruthTrack track, SimTime at, std::string_view text);
+  /// On the wire thread, of the recording that is on its way.
+  void put_line(std::uint16_t track, SimTime at, std::string_view text);
+  void put_line(const RequestHandover& handover);
   /// Of a wire, whether it belongs to the recording.
   [[nodiscard]] bool records(SimTime at) const {
     return folder_.has_value() && at >= from_ && at <= until_.load(std::memory_order_relaxed);
@@ -159,7 +162,6 @@ class Recorder {
     return truth_on_.load(std::memory_order_acquire) && at >= truth_from_.load() &&
            at <= until_.load();
   }
-  void write(const RequestHandover& handover);
   void hear(const RunEvent& event);
   void write_all();
   /// The writer has written all that there was.

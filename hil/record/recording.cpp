@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "drivers/endpoints.h"
+#include "hil/executive/executive.h"
 #include "hil/files/mcap_file.h"
 #include "hil/files/new_folder.h"
 #include "protocols/mcap/mcap.h"
@@ -438,31 +439,21 @@ void cut_recording(const fs::path& folder, SimTime from, SimTime to, const fs::p
                     {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}});
     }
   });
-  for (const RecordedAct& act : recorded_commands(folder)) {
-    if (act.at < to) {
-      writer.write({kCommandTrack,
-                    0,
-                    act.at,
-                    {reinterpret_cast<const std::uint8_t*>(act.text.data()), act.text.size()}});
-    }
-  }
-  for (const RecordedAct& act : read_acts(folder / "requests.log")) {
-    if (act.at < to) {
-      writer.write({kRequestTrack,
-                    0,
-                    act.at,
-                    {reinterpret_cast<const std::uint8_t*>(act.text.data()), act.text.size()}});
-    }
-  }
-  for (std::size_t wire = 0; wire < wires.size(); ++wire) {
-    for (const RecordedAct& act : client_acts(folder, wires[wire].name)) {
+  const auto copy = [&](std::uint16_t track, std::uint8_t flags,
+                        const std::vector<RecordedAct>& acts) {
+    for (const RecordedAct& act : acts) {
       if (act.at < to) {
-        writer.write({wire_track(wire),
-                      kWireEnd,
+        writer.write({track,
+                      flags,
                       act.at,
                       {reinterpret_cast<const std::uint8_t*>(act.text.data()), act.text.size()}});
       }
     }
+  };
+  copy(kCommandTrack, 0, recorded_commands(folder));
+  copy(kRequestTrack, 0, read_acts(folder / "requests.log"));
+  for (std::size_t wire = 0; wire < wires.size(); ++wire) {
+    copy(wire_track(wire), kWireEnd, client_acts(folder, wires[wire].name));
   }
   writer.finish(std::min(to, reader.contents().end.value_or(last)));
   if (!trouble.empty()) {

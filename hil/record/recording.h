@@ -11,11 +11,12 @@
 #include <string_view>
 #include <vector>
 
-#include "hil/executive/executive.h"
 #include "hil/record/recording_writer.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {
+
+struct RequestHandover;
 
 struct RecordingContents {
   RecordedRun run;

@@ -245,7 +245,7 @@ Ruling LiveChanges::set_air(const Value& keys) {
     changes.push_back({of, lets_go ? std::nullopt : std::optional(entry.value.scalar)});
   }
   std::vector<std::pair<const AirKey*, Brought>> begun;
-  SimTime from = parts_.executive.soonest_request();
+  SimTime from = parts_.executive.now();
   for (const Change& change : changes) {
     if (!change.value) {
       continue;
@@ -269,7 +269,7 @@ Ruling LiveChanges::set_air(const Value& keys) {
   for (const Change& change : changes) {
     const std::string kind(change.of->kind);
     if (const auto before = air_.find(kind); before != air_.end()) {
-      end_fault(before->second.id);
+      from = std::max(from, end_fault(before->second.id).window.end);
     }
     if (change.value) {
       tell(EventKind::set, std::string(kAir), fmt::format("{} is set to {}", kind, *change.value));

@@ -55,7 +55,7 @@ class Rerun {
   void begin_again() { clients_.begin_again(); }
   /// Before the rig is made.
   void join(Recorder& recorder);
-  /// When it is, before the desk.
+  /// When it is, before the desk: what they did, and when the truth followed.
   void add_clients(Rig& rig);
   /// When the desk is. `refused` hears of what it does not do again.
   void govern(Desk& desk, const std::function<void(const std::string& what)>& refused) const;

@@ -145,7 +145,7 @@ class Executive {
   void on_slice(SliceListener listener) { slice_listener_ = std::move(listener); }
 
   /// Hears of everything that is asked of the truth in a paced run, and promised, where it hangs on
-  /// the wall clock when the truth follows. On the wire thread, in order of time. Before a run.
+  /// the wall clock when the truth follows. On the wire thread, the former in order of time.
   using HandoverListener = std::function<void(const RequestHandover&)>;
   void on_handover(HandoverListener listener) { handover_listener_ = std::move(listener); }
   /// run_free() asks and follows as that paced run did, so that it is the same run. Before it.

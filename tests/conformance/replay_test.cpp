@@ -118,6 +118,9 @@ TEST_F(ReplayedRig, ARunInRealTimeThatClientAndHandMoveIsTheSameRunAgain) {
   // It hung on the wall clock from when on the machine followed.
   std::ofstream(folder("a") / "requests.log") << "# nothing\n";
   EXPECT_EQ(verify(), 5) << printed_;
+  std::ofstream(folder("a") / "requests.log") << "0.500000000 soon\n";
+  EXPECT_EQ(verify(), 3) << printed_;
+  EXPECT_THAT(printed_, HasSubstr("requests.log: at 0.500000000 s: found \"soon\""));
 }
 
 TEST_F(ReplayedRig, IsToldByTheFirstByteThatDiffersWithMessageAndField) {

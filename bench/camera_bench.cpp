@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "fields/constants.h"
 #include "hil/command_line/config_files.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig.h"
@@ -18,8 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint64_t kSeed = 1;
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::uint64_t kCameraSeed = 1;
 constexpr double kView_rad = 75.0 * kDegree;
 constexpr double kMeanLevel = 100.0;
 const SimTime kSliceEnd = kStart + 50ms;
@@ -94,7 +93,7 @@ sim::TriangleMesh wall(bool coloured, std::size_t texels) {
   sim::MeshColour colour;
   colour.factor = {0.5F, 0.4F, 0.3F};
   if (texels > 0) {
-    sim::RandomStream random(kSeed, "bench.texels");
+    sim::RandomStream random(kCameraSeed, "bench.texels");
     std::vector<sim::Texel> picture(texels * texels);
     for (sim::Texel& texel : picture) {
       const auto albedo = static_cast<std::uint16_t>(random.uniform(0.1, 0.9) * 65535.0);
@@ -143,7 +142,7 @@ CameraCase::CameraCase(std::string name, const Eigen::Isometry3d& X_WS)
     : name_(std::move(name)), X_WS_(X_WS), light_({}, to_sun()) {
   sim::SceneDescription description;
   description.terrain = sim::PitTerrain{};
-  sim::BuiltScene built = sim::build_scene(description, {}, kSeed);
+  sim::BuiltScene built = sim::build_scene(description, {}, kCameraSeed);
   X_WS_.translation().z() += built.ground.height_m(X_WS.translation().x(), X_WS.translation().y());
   built_.scene = std::move(built.scene);
   place();
@@ -226,7 +225,7 @@ sim::CameraParameters bench_camera(int width_px, int samples, int sky_rays) {
 }
 
 PictureCost measure_picture(const CameraCase& scene, int width_px, int samples, int rounds) {
-  sim::CameraRenderer camera(bench_camera(width_px, samples), kSeed, "bench");
+  sim::CameraRenderer camera(bench_camera(width_px, samples), kCameraSeed, "bench");
   const sim::PictureJob job = scene.job(camera.parameters());
   sim::RenderedPicture picture;
   sim::RecordedPictureRays rays = camera.record(scene.scene(), job);
@@ -275,7 +274,7 @@ std::vector<SamplingError> measure_sampling(const CameraCase& scene, int width_p
                                             const std::vector<int>& samples,
                                             int reference_samples) {
   const auto render = [&](int count) {
-    sim::CameraRenderer camera(bench_camera(width_px, count), kSeed, "bench");
+    sim::CameraRenderer camera(bench_camera(width_px, count), kCameraSeed, "bench");
     sim::PictureJob job = scene.job(camera.parameters());
     job.read_out.frame = count == reference_samples ? 1 : 0;
     sim::RenderedPicture picture;
@@ -297,7 +296,7 @@ std::vector<SkyCost> measure_sky(const CameraCase& scene, int width_px,
                                  const std::vector<int>& sky_rays, int reference) {
   sim::RenderedPicture picture;
   const auto render = [&](int rays, int rounds) {
-    sim::CameraRenderer camera(bench_camera(width_px, 1, std::max(rays, 0)), kSeed, "bench");
+    sim::CameraRenderer camera(bench_camera(width_px, 1, std::max(rays, 0)), kCameraSeed, "bench");
     sim::PictureJob job = scene.job(camera.parameters());
     if (rays < 0) {
       job.sky = nullptr;
@@ -322,7 +321,7 @@ std::vector<SkyCost> measure_sky(const CameraCase& scene, int width_px,
 }
 
 std::vector<AirCost> measure_air(const CameraCase& scene, int width_px) {
-  sim::CameraRenderer camera(bench_camera(width_px), kSeed, "bench");
+  sim::CameraRenderer camera(bench_camera(width_px), kCameraSeed, "bench");
   sim::WeatherParameters fog;
   fog.course = {{.fog_visibility_m = 100.0}};
   sim::WeatherParameters layer = fog;
@@ -373,7 +372,7 @@ std::vector<TextureCost> measure_textures(int width_px, int rounds, int referenc
                             Surface{"a picture", wall(true, 64)}};
   std::vector<TextureCost> costs;
   for (const View& view : views) {
-    sim::CameraRenderer camera(bench_camera(width_px), kSeed, "bench");
+    sim::CameraRenderer camera(bench_camera(width_px), kCameraSeed, "bench");
     std::vector<CameraCase> cases;
     cases.reserve(surfaces.size());
     for (const Surface& surface : surfaces) {
@@ -403,7 +402,7 @@ std::vector<SensorFigure> measure_sensor() {
   sim::ImageSensorParameters p;
   p.photo_response_nonuniformity = 0.0;
   p.dark_signal_nonuniformity = 0.0;
-  const sim::ImageSensor sensor(p, 2.8, kSeed, "bench");
+  const sim::ImageSensor sensor(p, 2.8, kCameraSeed, "bench");
   const auto pixels = static_cast<std::size_t>(p.width_px) * static_cast<std::size_t>(p.height_px);
   const std::vector<float> falloff(pixels, 1.0F);
   constexpr std::array<float, 3> kHaze{};

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
+#include "fields/constants.h"
 #include "hil/executive/cpu_time.h"
 #include "sim/camera/shot_parts.h"
 
@@ -15,13 +15,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint64_t kSeed = 1;
-constexpr double kMeanLevel = 100.0;
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::uint64_t kCameraKindsSeed = 1;
+constexpr double kCameraKindsMeanLevel = 100.0;
 
 /// CPU seconds of this thread, least of a few.
 template <class Work>
-double least_of(int rounds, const Work& work) {
+double least_of_rounds(int rounds, const Work& work) {
   double least_s = std::numeric_limits<double>::infinity();
   for (int i = 0; i < rounds; ++i) {
     const double before_s = hil::thread_cpu_seconds();
@@ -140,7 +139,7 @@ StereoCost measure_stereo(const CameraCase& scene, const std::string& matcher,
                           const sim::StereoMatchingParameters& matching, int rounds) {
   sim::StereoCameraParameters parameters;
   parameters.matching = matching;
-  const auto camera = make_stereo_camera(parameters, kSeed, "bench");
+  const auto camera = make_stereo_camera(parameters, kCameraKindsSeed, "bench");
   const sim::ImageSensorParameters& sensor = parameters.camera.sensor;
   sim::CameraShot shot = scene.shot(sensor.width_px, sensor.height_px);
   shot.command.format = PixelFormat::mono8;
@@ -168,11 +167,11 @@ StereoCost measure_stereo(const CameraCase& scene, const std::string& matcher,
   StereoCost cost;
   cost.scene = scene.name();
   cost.matcher = matcher;
-  cost.disparity_s = least_of(rounds, [&] { alone->match(pair, false, found); });
-  const double both_s = least_of(rounds, [&] { alone->match(pair, true, found); });
+  cost.disparity_s = least_of_rounds(rounds, [&] { alone->match(pair, false, found); });
+  const double both_s = least_of_rounds(rounds, [&] { alone->match(pair, true, found); });
   cost.confidence_s = std::max(0.0, both_s - cost.disparity_s);
   shot.command.disparity = true;
-  cost.take_s = least_of(rounds, [&] { (void)camera->take(scene.scene(), shot, nullptr); });
+  cost.take_s = least_of_rounds(rounds, [&] { (void)camera->take(scene.scene(), shot, nullptr); });
   cost.all = band_of(found, left, parameters, 0.0, 1000.0);
   cost.sure = worth_of(found, left, parameters);
   for (const auto& [from_m, to_m] :
@@ -205,14 +204,14 @@ std::vector<AllRoundCost> measure_all_round(const CameraCase& scene, int referen
   parameters.camera.samples = reference_samples;
   parameters.camera.sensor.read_noise = 0.0;
   const std::vector<double> reference =
-      numbers_of(*make_all_round_camera(parameters, kSeed + 1, "reference")
+      numbers_of(*make_all_round_camera(parameters, kCameraKindsSeed + 1, "reference")
                       ->take(scene.scene(), shot, nullptr)
                       .picture);
   double sum = 0.0;
   for (const double number : reference) {
     sum += number;
   }
-  const double scale = kMeanLevel * static_cast<double>(reference.size()) / sum;
+  const double scale = kCameraKindsMeanLevel * static_cast<double>(reference.size()) / sum;
 
   std::vector<AllRoundCost> costs;
   for (const Way& way : ways) {
@@ -222,13 +221,13 @@ std::vector<AllRoundCost> measure_all_round(const CameraCase& scene, int referen
     parameters.camera.samples = way.samples;
     parameters.camera.sensor.width_px = way.view_width_px;
     parameters.camera.sensor.height_px = way.view_height_px;
-    const auto camera = make_all_round_camera(parameters, kSeed, "bench");
+    const auto camera = make_all_round_camera(parameters, kCameraKindsSeed, "bench");
     AllRoundCost cost;
     cost.scene = scene.name();
     cost.way = way.name;
     cost.samples = way.samples;
     std::vector<double> numbers;
-    cost.picture_s = least_of(
+    cost.picture_s = least_of_rounds(
         rounds, [&] { numbers = numbers_of(*camera->take(scene.scene(), shot, nullptr).picture); });
     const std::size_t pixels =
         way.method == Method::rays
@@ -262,7 +261,7 @@ std::vector<RangeNoise> measure_range_noise() {
   parameters.camera.lens.vignetting = 0.0;
   // Narrow, so that all of the wall is seen straight on.
   parameters.camera.lens.focal_length_m = 5000.0 * parameters.camera.sensor.pixel_pitch_m;
-  const auto camera = make_depth_camera(parameters, kSeed, "bench");
+  const auto camera = make_depth_camera(parameters, kCameraKindsSeed, "bench");
   const sim::Daylight night({}, {0.0, 0.0, -1.0});
   const sim::Daylight noon({}, {-std::cos(50.0 * kDegree), 0.0, std::sin(50.0 * kDegree)});
 
@@ -328,7 +327,7 @@ std::vector<RangeNoise> measure_range_noise() {
     noise.found_m = count > 0.0 ? std::sqrt(squares / count - mean * mean)
                                 : std::numeric_limits<double>::quiet_NaN();
     // The wall's mean luminance, from the same renderer's picture.
-    sim::CameraRenderer renderer(parameters.camera, kSeed, "bench");
+    sim::CameraRenderer renderer(parameters.camera, kCameraKindsSeed, "bench");
     sim::RenderedPicture rendered;
     renderer.render(scene, job_of(shot, whole_read_out(shot, parameters.camera.sensor)), rendered);
     double luminance = 0.0;
@@ -347,12 +346,12 @@ std::vector<RangeNoise> measure_range_noise() {
 
 double measure_depth_shot(const CameraCase& scene, int rounds) {
   const sim::DepthCameraParameters parameters;
-  const auto camera = make_depth_camera(parameters, kSeed, "bench");
+  const auto camera = make_depth_camera(parameters, kCameraKindsSeed, "bench");
   const sim::ImageSensorParameters& sensor = parameters.camera.sensor;
   sim::CameraShot shot = scene.shot(sensor.width_px, sensor.height_px);
   shot.command.range = true;
   shot.command.confidence = true;
-  return least_of(rounds, [&] { (void)camera->take(scene.scene(), shot, nullptr); });
+  return least_of_rounds(rounds, [&] { (void)camera->take(scene.scene(), shot, nullptr); });
 }
 
 }  // namespace rigwire::bench

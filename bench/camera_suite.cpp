@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWidth_px = 640;
 constexpr int kSmall_px = 200;
-constexpr int kRounds = 5;
+constexpr int kCameraRounds = 5;
 constexpr int kReferenceSamples = 64;
 constexpr int kReferenceSkyRays = 64;
 constexpr double kGoalRatio = 0.8;
@@ -32,7 +32,7 @@ void cost_table(const std::vector<CameraCase>& cases, std::ostream& text, nlohma
   for (const CameraCase& scene : cases) {
     for (const int samples : {1, 4}) {
       const PictureCost cost =
-          measure_picture(scene, kWidth_px, samples, samples == 1 ? kRounds : 3);
+          measure_picture(scene, kWidth_px, samples, samples == 1 ? kCameraRounds : 3);
       json["pictures"].push_back(
           table.row({word("scene", cost.scene), count("samples", cost.samples),
                      number("pixels_per_s", static_cast<double>(cost.pixels) / cost.picture_s,
@@ -112,7 +112,7 @@ void texture_table(std::ostream& text, nlohmann::json& json) {
                            {"ratio", ">6"},
                            {"rms levels", ">11"}});
   table.head();
-  for (const TextureCost& cost : measure_textures(kWidth_px, kRounds, kReferenceSamples)) {
+  for (const TextureCost& cost : measure_textures(kWidth_px, kCameraRounds, kReferenceSamples)) {
     json["textures"].push_back(table.row({word("view", cost.view), word("surface", cost.surface),
                                           number("pixel_ns", cost.pixel_ns, "{:.0f}"),
                                           number("ratio", cost.ratio, "{:.2f}"),

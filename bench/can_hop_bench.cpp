@@ -19,7 +19,7 @@ using drivers::CanBus;
 using protocols::can::Frame;
 using WallClock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kBitRate_bps = 1'000'000;
+constexpr std::uint32_t kCanHopBitRate_bps = 1'000'000;
 /// Frames between two looks at the reader: fits a pty's buffer and a socket's.
 constexpr std::size_t kBatch = 64;
 /// For what never arrives.
@@ -45,7 +45,7 @@ void wait_for(boost::asio::io_context& io, const std::uint64_t& received, std::u
 
 /// The reader counts into `cost.received`.
 void measure(boost::asio::io_context& io, CanBus& device, std::size_t frames, CanHopCost& cost) {
-  cost.wire_limit_per_second = kBitRate_bps / static_cast<double>(exact_bits(kFrame));
+  cost.wire_limit_per_second = kCanHopBitRate_bps / static_cast<double>(exact_bits(kFrame));
   double device_s = 0.0;
   const double cpu_begin_s = hil::thread_cpu_seconds();
   const auto begin = WallClock::now();
@@ -70,12 +70,12 @@ CanHopCost measure_slcan(std::size_t frames) {
   cost.hop = "slcan on a pty";
   boost::asio::io_context io;
   drivers::Pty pty(io, {});
-  drivers::SlcanAdapter adapter(pty, kBitRate_bps);
+  drivers::SlcanAdapter adapter(pty, kCanHopBitRate_bps);
   bool open = false;
   adapter.on_client([&open](const drivers::CanClient& client) { open = client.open; });
   adapter.start([](const Frame&) {});
   drivers::SerialPort port(io, {.path = pty.slave_name(), .baud = 115200});
-  drivers::SlcanClient client(port, kBitRate_bps);
+  drivers::SlcanClient client(port, kCanHopBitRate_bps);
   client.start([&cost](const Frame&) { ++cost.received; });
   for (const auto end = WallClock::now() + kPatience; !open && WallClock::now() < end;) {
     io.restart();

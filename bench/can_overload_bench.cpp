@@ -11,8 +11,8 @@ namespace {
 
 using protocols::can::Frame;
 
-constexpr std::uint32_t kBitRate_bps = 250'000;
-constexpr std::size_t kNodes = 8;
+constexpr std::uint32_t kCanOverloadBitRate_bps = 250'000;
+constexpr std::size_t kCanOverloadNodes = 8;
 constexpr std::size_t kQueue = 8;
 constexpr double kOfferedLoad = 1.3;
 constexpr Duration kStagger = std::chrono::microseconds(137);
@@ -36,16 +36,18 @@ struct Load {
 }  // namespace
 
 CanOverload measure_can_overload(int seconds) {
-  emulators::CanBusModel bus({kBitRate_bps, kQueue});
+  emulators::CanBusModel bus({kCanOverloadBitRate_bps, kQueue});
   emulators::NullFrameOutput nowhere;
-  std::vector<Load> loads(kNodes);
+  std::vector<Load> loads(kCanOverloadNodes);
   CanOverload result;
-  for (std::size_t i = 0; i < kNodes; ++i) {
+  for (std::size_t i = 0; i < kCanOverloadNodes; ++i) {
     Load& load = loads[i];
     load.frame = frame_of(i);
     load.node = &bus.add_node(nowhere);
-    const double length_s = protocols::can::exact_bits(load.frame) / double{kBitRate_bps};
-    load.period = Duration{static_cast<std::int64_t>(1e9 * length_s * kNodes / kOfferedLoad)};
+    const double length_s =
+        protocols::can::exact_bits(load.frame) / double{kCanOverloadBitRate_bps};
+    load.period =
+        Duration{static_cast<std::int64_t>(1e9 * length_s * kCanOverloadNodes / kOfferedLoad)};
     load.next = kStart + static_cast<std::int64_t>(i) * kStagger;
     result.offered_load += length_s / to_seconds(load.period);
   }

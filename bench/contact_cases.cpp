@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "bench/free_body.h"
+#include "fields/constants.h"
 #include "hil/command_line/config_files.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig.h"
@@ -27,8 +28,6 @@ using sim::Ground;
 using sim::Obstacle;
 using Vector = Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kGravity_mps2 = 9.80665;
 constexpr double kTrunk_m = 0.2;
 constexpr double kLane_m = 40.0;  ///< Of trees beside the way; longer where they would overlap.
 constexpr double kSpeed_mps = 5.0;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "bench/cost.h"
+#include "fields/constants.h"
 #include "hil/executive/cpu_time.h"
 #include "sim/lidar/depth_image_lidar.h"
 #include "sim/lidar/depth_image_set.h"
@@ -16,7 +16,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kGhost_m = 0.3;
 constexpr std::uint64_t kSeed = 1;
 

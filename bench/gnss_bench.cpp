@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "bench/cost.h"
+#include "fields/constants.h"
 #include "sim/gnss/constellation.h"
 #include "sim/gnss/dilution.h"
 #include "sim/local_frame.h"
@@ -17,7 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kDay_s = 86'400.0;
 constexpr double kEvery_s = 120.0;
 

@@ -4,7 +4,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -12,6 +11,7 @@
 
 #include "bench/carried_machine.h"
 #include "bench/gnss_bench.h"
+#include "fields/constants.h"
 #include "hil/devices/ublox.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig.h"
@@ -232,7 +232,6 @@ std::vector<ModelError> measure_models(const hil::RigConfiguration& rig, int rec
   const auto satellites = hil::make_satellites(rig.satellites, calendar);
   const sim::LocalFrame frame = hil::make_local_frame(rig.origin);
   const hil::SensorMount mount = hil::sensor_mount(rig.machine, ublox->mount);
-  constexpr double kDegree = std::numbers::pi / 180.0;
   const std::array<std::pair<const char*, SameSky>, 3> skies{
       {{"open", SameSky([](const Vector3d&) { return sim::SkyPath{}; })},
        {"street", SameSky([](const Vector3d& d) {

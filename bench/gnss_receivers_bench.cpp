@@ -15,7 +15,7 @@
 namespace rigwire::bench {
 namespace {
 
-constexpr double kSpeed_mps = 2.0;
+constexpr double kGnssReceiversSpeed_mps = 2.0;
 
 /// The first u-blox of the rig.
 const hil::UbloxConfiguration& ublox_of(const hil::RigConfiguration& rig) {
@@ -56,7 +56,7 @@ SampledLap sampled_lap(const hil::RigConfiguration& rig, int samples) {
   const Calendar calendar(rig.start);
   sim::GnssSensor sensor(parameters, hil::make_satellites(rig.satellites, calendar), calendar,
                          hil::make_local_frame(rig.origin), rig.seed, "bench");
-  CarriedMachine machine(rig, kSpeed_mps);
+  CarriedMachine machine(rig, kGnssReceiversSpeed_mps);
   SampledLap lap;
   std::vector<double> costs_us;
   SimTime time = kStart;
@@ -67,7 +67,7 @@ SampledLap sampled_lap(const hil::RigConfiguration& rig, int samples) {
     const GnssSample sample = sensor.sample(time, antenna, machine.scene());
     costs_us.push_back(1e6 * (hil::thread_cpu_seconds() - before_s));
     lap.epochs.push_back(sample.satellites);
-    time += from_seconds(kSpacing_m / kSpeed_mps);
+    time += from_seconds(kSpacing_m / kGnssReceiversSpeed_mps);
   }
   std::ranges::nth_element(costs_us, costs_us.begin() + std::ssize(costs_us) / 2);
   lap.epoch_us = costs_us[costs_us.size() / 2];
@@ -85,7 +85,7 @@ ReceiverLoad measure_load(const hil::RigConfiguration& rig, const std::string& m
   settings.measurement_period = from_seconds(1.0 / rate_hz);
   settings.start_up = Duration{0};
   emulators::NullByteOutput silence;
-  CarriedMachine machine(rig, kSpeed_mps);
+  CarriedMachine machine(rig, kGnssReceiversSpeed_mps);
   std::vector<sim::GnssSensor> sensors;
   std::vector<std::unique_ptr<emulators::UbloxReceiver>> devices;
   std::vector<sim::LinkMotion> antennas;

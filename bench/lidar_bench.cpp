@@ -23,7 +23,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr std::uint64_t kSeed = 1;
+constexpr std::uint64_t kLidarSeed = 1;
 constexpr Duration kRevolution = std::chrono::milliseconds{100};
 
 const hil::VelodyneConfiguration& lidar_of(const hil::RigConfiguration& rig) {
@@ -114,7 +114,7 @@ std::vector<LidarStageCost> measure_lidar_stage(const hil::RigConfiguration& rig
     }
     MovingMachine machine(rig, hil::sensor_mount(rig.machine, lidar_settings.mount));
     sim::SpinningLidar lidar(lidar_settings.sensor.beam, plan.pattern, plan.plan, plan.command,
-                             kSeed, "bench");
+                             kLidarSeed, "bench");
     std::vector<LidarFiring> firings;
     std::vector<double> ratios;
     LidarStageCost cost;
@@ -187,7 +187,7 @@ std::vector<LidarRangeError> measure_lidar_range_error(const std::vector<double>
     X_WM.translation() = centre + Vector3d(kWall_m + 0.5, 0.0, 0.0);
     scene.add_object(scene.add_mesh(sim::make_box("wall", {1.0, 400.0, 2.0 * kWallTop_m})), X_WM,
                      1.0, white);
-    sim::SpinningLidar lidar({.range_sigma_m = 0.0}, pattern, plan.plan, plan.command, kSeed,
+    sim::SpinningLidar lidar({.range_sigma_m = 0.0}, pattern, plan.plan, plan.command, kLidarSeed,
                              "bench");
 
     LidarRangeError error;

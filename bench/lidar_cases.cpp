@@ -3,14 +3,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "fields/constants.h"
 #include "sim/random.h"
 #include "sim/scene/scene_description.h"
 
 namespace rigwire::bench {
 namespace {
 
-constexpr std::uint64_t kSeed = 1;
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::uint64_t kLidarCasesSeed = 1;
 constexpr double kTriangle_m = 1.0;
 
 struct Pit {
@@ -23,12 +23,12 @@ Pit make_pit_parts() {
   const sim::PitTerrain terrain;
   const std::vector<sim::RockField> fields(1);
   Pit pit;
-  pit.ground = sim::make_pit(terrain, kSeed);
-  sim::RandomStream shapes(kSeed, "bench/rock_shapes");
+  pit.ground = sim::make_pit(terrain, kLidarCasesSeed);
+  sim::RandomStream shapes(kLidarCasesSeed, "bench/rock_shapes");
   for (std::size_t i = 0; i < sim::kRockShapes; ++i) {
     pit.rock_shapes.push_back(sim::make_rock("rock", shapes));
   }
-  sim::RandomStream places(kSeed, "bench/rock_places");
+  sim::RandomStream places(kLidarCasesSeed, "bench/rock_places");
   pit.rocks = sim::place_rocks(fields.front(), pit.ground, places);
   return pit;
 }

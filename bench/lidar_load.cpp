@@ -26,7 +26,7 @@ constexpr int kLeaves = 4000;  ///< Triangles of a tree.
 constexpr int kSpecies = 4;
 constexpr double kHalfLane_m = 5.0;  ///< Without trees, for the vehicle.
 constexpr int kBodies = 20;
-constexpr double kSpeed_mps = 5.0;
+constexpr double kLidarLoadSpeed_mps = 5.0;
 
 double ground_height(double x, double y) {
   return 0.5 * std::sin(0.13 * x) * std::cos(0.11 * y) + 0.1 * std::sin(1.1 * x + 0.7 * y);
@@ -94,7 +94,7 @@ class Drive {
   [[nodiscard]] sim::LinkMotion vehicle(double t) const {
     sim::LinkMotion motion;
     motion.X_WL.linear() = Eigen::AngleAxisd(place_.yaw_rad, Vector3d::UnitZ()).toRotationMatrix();
-    motion.v_WL_W = kSpeed_mps * motion.X_WL.linear().col(0);
+    motion.v_WL_W = kLidarLoadSpeed_mps * motion.X_WL.linear().col(0);
     motion.X_WL.translation() = place_.start_m + t * motion.v_WL_W;
     return motion;
   }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kRounds = 15;
 constexpr double kGoalRatio = 0.9;
-constexpr double kDistanceUnit_m = 2e-3;
+constexpr double kLidarDistanceUnit_m = 2e-3;
 constexpr Duration kSubRaySector = std::chrono::milliseconds{20};  ///< A fifth of a turn.
 
 void stage_table(std::ostream& text, nlohmann::json& json) {
@@ -80,14 +80,14 @@ void error_table(std::ostream& text, nlohmann::json& json) {
   table.head();
   for (const LidarRangeError& error :
        measure_lidar_range_error({0.0, 1e3, 10e3, 100e3, 1000e3, 10000e3})) {
-    const double share = error.worst_m / (0.5 * kDistanceUnit_m);
+    const double share = error.worst_m / (0.5 * kLidarDistanceUnit_m);
     json["range_error"].push_back(table.row(
         {number("map_offset_m", error.map_offset_m, "{:g}", 1e-3), count("rays", error.rays),
          count("leaks", error.leaks), number("rms_m", error.rms_m, "{:.2f}", 1e6),
          number("worst_m", error.worst_m, "{:.2f}", 1e6), shown(fmt::format("{:.4f}", share))}));
   }
-  json["range_error_goal_m"] = 0.5 * kDistanceUnit_m;
-  text << fmt::format("goal: worst < {:g} mm at 1000 km\n", 1e3 * 0.5 * kDistanceUnit_m);
+  json["range_error_goal_m"] = 0.5 * kLidarDistanceUnit_m;
+  text << fmt::format("goal: worst < {:g} mm at 1000 km\n", 1e3 * 0.5 * kLidarDistanceUnit_m);
 }
 
 }  // namespace

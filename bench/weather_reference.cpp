@@ -50,7 +50,7 @@ double even_pm(const sim::WeatherParameters& parameters) {
   return sum;
 }
 
-double fog_density(const sim::FogParameters& fog, double z_m) {
+double reference_fog_density(const sim::FogParameters& fog, double z_m) {
   const double above_m = z_m - fog.base_height_m;
   return fog.scale_height_m > 0.0 && above_m > 0.0 ? std::exp(-above_m / fog.scale_height_m) : 1.0;
 }
@@ -117,7 +117,7 @@ MarchedBeam march_beam(const sim::WeatherParameters& parameters,
   for (std::size_t i = 0; i < steps; ++i) {
     const double s_m = (static_cast<double>(i) + 0.5) * echogram.step_m;
     const Eigen::Vector3d point_W = beam.start_W + s_m * beam.direction_W;
-    const double density = fog_density(parameters.fog, point_W.z());
+    const double density = reference_fog_density(parameters.fog, point_W.z());
     const double dust = puffs.empty() ? 0.0 : dust_pm(parameters, puffs, point_W);
     const double half =
         0.5 * echogram.step_m * (rain_pm + std::log(20.0) * fog_per_m * density + dust);

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 constexpr double kGroundReflectance = 0.3;
 constexpr std::uint64_t kBeams = 6000;
-constexpr double kStep_m = 2.0;
+constexpr double kWeatherViewsStep_m = 2.0;
 /// A bucket that empties 1 m3/s, 3 m above the ground, 7 m before the lidar.
 constexpr double kBucket_m = 7.0;
 constexpr double kFall_m = 3.0;
@@ -38,9 +38,9 @@ std::vector<TransmissionCurve> transmission_curves() {
   for (const Medium& medium : media) {
     const sim::SceneWeather weather(medium.parameters, 1);
     TransmissionCurve curve{medium.name, {}, {}};
-    const int steps = static_cast<int>(kBenchReach_m / kStep_m);
+    const int steps = static_cast<int>(kBenchReach_m / kWeatherViewsStep_m);
     for (int step = 0; step <= steps; ++step) {
-      const double range_m = step * kStep_m;
+      const double range_m = step * kWeatherViewsStep_m;
       sim::WeatherBeam beam;
       beam.far_m = range_m;
       curve.range_m.push_back(range_m);

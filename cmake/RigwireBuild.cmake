@@ -7,17 +7,21 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release)
 endif()
+# -O3 stands where `rigwire bench` shows that it pays (RIGWIRE_INNER_LOOPS); elsewhere it costs a fifth
+# of the build.
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+set(RIGWIRE_INNER_LOOPS $<$<CONFIG:Release>:-O3>)
 
-# Two thirds of a build is reading headers of others. It is for those who build once: GCC 12 loses
-# which of its warnings are about system headers, and a missing include is not found.
-option(RIGWIRE_PRECOMPILE "Read headers of others once, without a warning about anything" OFF)
+# Two thirds of a build is reading headers. Files of a folder that are compiled together read them once;
+# their names in anonymous namespaces must differ. clang-tidy reads each file alone, so that it finds
+# a missing include.
+option(RIGWIRE_UNITY "Compile the files of a folder together, some ten at a time" ON)
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  # The sloppiness is what ccache's manual asks for with precompiled headers. The place of the tree
-  # is left out of what is compared: every clone on a machine builds from what another has built.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
-    CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
+  # The place of the tree is left out of what is compared: every clone on a machine builds from what
+  # another has built.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
     CCACHE_NOHASHDIR=yes ${CCACHE_PROGRAM})
 endif()
 
@@ -37,7 +41,8 @@ endif()
 # GCC decides what is a warning; clang, which only builds the fuzz targets, may show its own.
 set(RIGWIRE_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  list(APPEND RIGWIRE_WARNINGS -Werror)
+  # A type of an anonymous namespace in a member is right in a source, also where others include it.
+  list(APPEND RIGWIRE_WARNINGS -Werror -Wno-subobject-linkage)
   if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     list(APPEND RIGWIRE_WARNINGS -Wno-restrict)  # false alarms in std::string (GCC bug 105651)
   endif()
@@ -51,27 +56,43 @@ endif()
 
 include(GNUInstallDirs)
 
-# rigwire_precompile(<target> [<header>...]): the standard library's common headers and the named
-# ones of others, none of ours: a change of ours compiles what includes it. The targets that name
-# none share what rigwire_fields, the first of them, has made.
-function(rigwire_precompile target)
-  if(NOT RIGWIRE_PRECOMPILE)
+# rigwire_compile_together(<target> [BY_FOLDER]): puts the target's sources into groups that are
+# compiled as one, in the order of their paths. A group ends where a folder does once it is half full;
+# BY_FOLDER: in any case. Sources with options of their own, or with SKIP_UNITY_BUILD_INCLUSION, are
+# compiled alone.
+set(RIGWIRE_UNITY_BYTES 100000)
+function(rigwire_compile_together target)
+  cmake_parse_arguments(ARG "BY_FOLDER" "" "" ${ARGN})
+  if(NOT RIGWIRE_UNITY)
     return()
   endif()
-  if(ARGN OR target STREQUAL rigwire_fields)
-    target_precompile_headers(${target} PRIVATE <algorithm> <array> <chrono> <cmath> <functional>
-      <map> <memory> <optional> <ranges> <span> <string> <string_view> <variant> <vector> ${ARGN})
-  else()
-    target_precompile_headers(${target} REUSE_FROM rigwire_fields)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  list(SORT sources)
+  math(EXPR half "${RIGWIRE_UNITY_BYTES} / 2")
+  if(ARG_BY_FOLDER)
+    set(half 0)
   endif()
-  target_compile_options(${target} PRIVATE -w)
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    target_compile_options(${target} PRIVATE -fpch-preprocess)  # ccache asks for it
-  endif()
+  set(group 0)
+  set(bytes 0)
+  set(folder "")
+  foreach(source ${sources})
+    get_filename_component(path ${source} ABSOLUTE)
+    get_filename_component(own_folder ${path} DIRECTORY)
+    file(SIZE ${path} size)
+    math(EXPR filled "${bytes} + ${size}")
+    if(filled GREATER RIGWIRE_UNITY_BYTES OR (bytes GREATER half AND NOT own_folder STREQUAL folder))
+      math(EXPR group "${group} + 1")
+      set(filled ${size})
+    endif()
+    set(bytes ${filled})
+    set(folder ${own_folder})
+    set_property(SOURCE ${source} PROPERTY UNITY_GROUP ${group})
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# rigwire_library(<folder> [INTERNAL] SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>]
-#                 [PRECOMPILE <headers of others>])
+# rigwire_library(<folder> [INTERNAL] [BY_FOLDER] SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
 #
 # Declares one folder of the house as the static library rigwire_<folder> with the alias
 # rigwire::<folder>. Its headers are reachable as "<folder>/name.h", and only by targets that link
@@ -79,9 +100,9 @@ endfunction()
 # (docs/architecture.md, "One way through the house") does not compile.
 #
 # It is installed with its headers, as a component of the package rigwire (cmake/package.cmake);
-# INTERNAL: it is not.
+# INTERNAL: it is not. BY_FOLDER: as of rigwire_compile_together.
 function(rigwire_library folder)
-  cmake_parse_arguments(ARG "INTERNAL" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL;BY_FOLDER" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   string(REPLACE "/" "_" name ${folder})
   set(include_root ${PROJECT_BINARY_DIR}/include/${name})
   get_filename_component(parent ${include_root}/${folder} DIRECTORY)
@@ -96,7 +117,11 @@ function(rigwire_library folder)
   target_compile_features(rigwire_${name} PUBLIC cxx_std_20)
   target_compile_options(rigwire_${name} PRIVATE ${RIGWIRE_WARNINGS})
   target_link_libraries(rigwire_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-  rigwire_precompile(rigwire_${name} ${ARG_PRECOMPILE})
+  if(ARG_BY_FOLDER)
+    rigwire_compile_together(rigwire_${name} BY_FOLDER)
+  else()
+    rigwire_compile_together(rigwire_${name})
+  endif()
   if(NOT ARG_INTERNAL)
     set_target_properties(rigwire_${name} PROPERTIES EXPORT_NAME ${leaf})
     install(TARGETS rigwire_${name} EXPORT rigwire-${leaf} COMPONENT library
@@ -108,12 +133,14 @@ function(rigwire_library folder)
   endif()
 endfunction()
 
-# rigwire_test(<folder> [ALONE] [LINK <targets>])
+# rigwire_test(<folder> [EACH] [ALONE] [LINK <targets>] [SOURCES <files>])
 #
-# One GoogleTest program per folder of the house, <folder>_tests, from every tests/<folder>/**_test.cpp.
+# One GoogleTest program per folder of the house, <folder>_tests, from every tests/<folder>/**.cpp and
+# SOURCES. ctest runs each suite in a process; with EACH, or where the environment has
+# RIGWIRE_EACH_TEST, each test (tests/support/list_tests.py).
 # ALONE: each of its tests has both of ./check's processors, because it runs in real time.
 function(rigwire_test folder)
-  cmake_parse_arguments(ARG "ALONE" "" "LINK" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE;EACH" "" "LINK;SOURCES" ${ARGN})
   set(processors 1)
   if(ARG_ALONE)
     set(processors 2)
@@ -122,28 +149,55 @@ function(rigwire_test folder)
   if(NOT sources)
     return()
   endif()
-  add_executable(${folder}_tests ${sources})
-  # The tests' own code is run once: a quarter of its build time is worth more than its speed.
-  target_compile_options(${folder}_tests PRIVATE ${RIGWIRE_WARNINGS}
-    $<$<CONFIG:Release>:-O1> $<$<CONFIG:RelWithDebInfo>:-O0>)
-  target_include_directories(${folder}_tests PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
-  # Only where it is used: objects that do not know their place are shared by all trees of a cache.
+  # The place of the tree is told only where it is used: objects that do not know it are shared by
+  # all trees of a cache.
   set(place RIGWIRE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" RIGWIRE_BINARY_DIR="${PROJECT_BINARY_DIR}")
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.h)
+  set(placed "")
   foreach(file ${sources} ${headers})
     file(STRINGS ${file} uses REGEX "RIGWIRE_(SOURCE|BINARY)_DIR" LIMIT_COUNT 1)
     if(uses AND file MATCHES "\\.h$")
-      target_compile_definitions(${folder}_tests PRIVATE ${place})
+      set(placed ${sources})
     elseif(uses)
-      set_property(SOURCE ${file} APPEND PROPERTY COMPILE_DEFINITIONS ${place})
+      list(APPEND placed ${file})
     endif()
   endforeach()
-  target_link_libraries(${folder}_tests PRIVATE ${ARG_LINK} GTest::gmock_main)
+  list(REMOVE_DUPLICATES placed)
+  list(REMOVE_ITEM sources ${placed})
+
+  add_executable(${folder}_tests ${sources} ${ARG_SOURCES})
+  set(parts ${folder}_tests)
+  if(placed)
+    add_library(${folder}_placed_tests OBJECT ${placed})
+    target_compile_definitions(${folder}_placed_tests PRIVATE ${place})
+    target_sources(${folder}_tests PRIVATE $<TARGET_OBJECTS:${folder}_placed_tests>)
+    list(APPEND parts ${folder}_placed_tests)
+  endif()
+  foreach(part ${parts})
+    # The tests' own code is run once: a quarter of its build time is worth more than its speed.
+    target_compile_options(${part} PRIVATE ${RIGWIRE_WARNINGS}
+      $<$<CONFIG:Release>:-O1> $<$<CONFIG:RelWithDebInfo>:-O0>)
+    target_include_directories(${part} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
+    target_link_libraries(${part} PRIVATE ${ARG_LINK} GTest::gmock_main)
+    rigwire_compile_together(${part})
+  endforeach()
+
   set(test_seconds 300)
   if(RIGWIRE_SANITIZE)
     set(test_seconds 1200)  # every access is looked at
   endif()
-  gtest_discover_tests(${folder}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES PROPERTIES TIMEOUT ${test_seconds}
-    LABELS ${folder}
-    PROCESSORS ${processors})
+  rigwire_list_tests(${folder}_tests $<$<BOOL:${ARG_EACH}>:--each> TIMEOUT=${test_seconds}
+    LABELS=${folder} PROCESSORS=${processors})
+endfunction()
+
+# rigwire_list_tests(<program> [--each] <name>=<value>...): gives the program's tests to ctest, with
+# these properties.
+function(rigwire_list_tests program)
+  set(listed ${CMAKE_CURRENT_BINARY_DIR}/${program}_listed.cmake)
+  add_custom_command(TARGET ${program} POST_BUILD VERBATIM COMMAND_EXPAND_LISTS
+    COMMAND ${PROJECT_SOURCE_DIR}/tests/support/list_tests.py $<TARGET_FILE:${program}> ${listed} ${ARGN})
+  set(included ${CMAKE_CURRENT_BINARY_DIR}/${program}_included.cmake)
+  file(WRITE ${included} "if(EXISTS \"${listed}\")\n  include(\"${listed}\")\nelse()\n"
+    "  add_test(${program}_NOT_BUILT ${program}_NOT_BUILT)\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${included})
 endfunction()

@@ -25,6 +25,13 @@ enum class Danger : std::uint8_t {
   moves    ///< A machine may move by it, or a device be left that has to be switched off and on.
 };
 
+/// Short names for the rows of the suites.
+inline constexpr auto kMust = Strength::must;
+inline constexpr auto kShould = Strength::should;
+inline constexpr auto kObserved = Strength::observed;
+inline constexpr auto kNone = Danger::none;
+inline constexpr auto kWrites = Danger::writes;
+
 enum class Verdict : std::uint8_t {
   pass,
   lenient,  ///< Accepted or answered otherwise than the document recommends.

@@ -1,7 +1,6 @@
 #include "drivers/child.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -42,7 +41,7 @@ pid_t started(const std::filesystem::path& log, const std::function<int()>& work
   const pid_t parent = ::getpid();
   const pid_t process = ::fork();
   if (process < 0) {
-    throw EndpointError(fmt::format("no process can be started: {}", std::strerror(errno)));
+    throw EndpointError(std::string("no process can be started: ") + std::strerror(errno));
   }
   if (process == 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -63,8 +62,8 @@ Child::Child(const std::filesystem::path& log, const std::function<int()>& work)
   if (!descriptor_.open()) {
     const int number = errno;
     static_cast<void>(end(SIGKILL, {}));
-    throw EndpointError(
-        fmt::format("a process cannot be watched (pidfd_open): {}", std::strerror(number)));
+    throw EndpointError(std::string("a process cannot be watched (pidfd_open): ") +
+                        std::strerror(number));
   }
 }
 

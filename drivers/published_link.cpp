@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr const char* kElsewhere =
     "choose a path in a directory that this user can write, such as /tmp/rigwire";
 
-std::string reason(int error) {
+std::string link_error(int error) {
   return std::generic_category().message(error);
 }
 
@@ -49,7 +49,7 @@ std::optional<Obstacle> obstacle_at(const fs::path& link) {
     if (errno == ENOENT || errno == ENOTDIR) {
       return std::nullopt;
     }
-    return Obstacle{"cannot look at it: " + reason(errno),
+    return Obstacle{"cannot look at it: " + link_error(errno),
                     "choose a path that this user can reach"};
   }
   if (!S_ISLNK(own.st_mode)) {
@@ -87,7 +87,7 @@ std::string place(const fs::path& link, const std::string& terminal) {
     return {};
   }
   if (errno != EEXIST) {
-    return "cannot create the link: " + reason(errno);
+    return "cannot create the link: " + link_error(errno);
   }
   // A rename replaces the leftover at once.
   fs::path temporary = link;
@@ -197,7 +197,7 @@ PublishedLink::PublishedLink(fs::path path)
       refuse_line(path_, "another running rigwire publishes this path",
                   "stop that one or choose another path");
     case NameLock::Result::failed:
-      refuse_line(path_, "cannot lock the path's name: " + reason(errno),
+      refuse_line(path_, "cannot lock the path's name: " + link_error(errno),
                   mend_of(errno, kElsewhere));
   }
   if (const auto obstacle = obstacle_at(path_)) {

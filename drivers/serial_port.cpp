@@ -14,8 +14,8 @@
 namespace rigwire::drivers {
 namespace {
 
-constexpr std::size_t kReadSize = 4096;
-constexpr int kReadsPerTurn = 8;
+constexpr std::size_t kSerialReadSize = 4096;
+constexpr int kSerialReadsPerTurn = 8;
 /// Input is also looked for this often, unasked: see look().
 constexpr std::chrono::milliseconds kLookPeriod{10};
 
@@ -26,7 +26,7 @@ SerialPort::SerialPort(boost::asio::io_context& context, SerialPortSettings sett
       port_(context),
       reopen_timer_(context),
       look_timer_(context),
-      buffer_(kReadSize) {
+      buffer_(kSerialReadSize) {
   if (settings_.path.empty()) {
     throw std::invalid_argument("serial port: path is empty");
   }
@@ -104,7 +104,7 @@ void SerialPort::wait_readable() {
 }
 
 void SerialPort::read_all() {
-  for (int turn = 0; turn < kReadsPerTurn && port_.is_open(); ++turn) {
+  for (int turn = 0; turn < kSerialReadsPerTurn && port_.is_open(); ++turn) {
     const ssize_t count = ::read(port_.native_handle(), buffer_.data(), buffer_.size());
     if (count > 0) {
       const std::weak_ptr<char> alive = alive_;

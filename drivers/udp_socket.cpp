@@ -16,9 +16,9 @@ namespace {
 using boost::asio::ip::udp;
 
 /// The largest UDP payload over IPv4.
-constexpr std::size_t kLargestDatagram = 65507;
-constexpr int kDatagramsPerTurn = 64;
-constexpr std::chrono::seconds kPresenceMemory{1};
+constexpr std::size_t kLargestUdpDatagram = 65507;
+constexpr int kUdpDatagramsPerTurn = 64;
+constexpr std::chrono::seconds kPeerMemory{1};
 
 std::string text(const UdpEndpoint& endpoint) {
   return endpoint.address + ":" + std::to_string(endpoint.port);
@@ -48,7 +48,7 @@ UdpSocket::UdpSocket(boost::asio::io_context& context, UdpSettings settings)
     : settings_(std::move(settings)),
       socket_(open(context.get_executor(), settings_)),
       ends_(find_ends()),
-      buffer_(kLargestDatagram) {}
+      buffer_(kLargestUdpDatagram) {}
 
 udp::socket UdpSocket::open(const boost::asio::any_io_executor& executor,
                             const UdpSettings& settings) {
@@ -161,7 +161,7 @@ void UdpSocket::wait_readable() {
 
 void UdpSocket::receive_all() {
   const std::weak_ptr<char> alive = alive_;
-  for (int turn = 0; turn < kDatagramsPerTurn; ++turn) {
+  for (int turn = 0; turn < kUdpDatagramsPerTurn; ++turn) {
     const ssize_t count = ::recv(socket_.native_handle(), buffer_.data(), buffer_.size(), 0);
     if (count >= 0) {
       last_received_ = Clock::now();
@@ -227,7 +227,7 @@ EndpointStatus UdpSocket::status() const {
   const auto now = Clock::now();
   if (!settings_.destination) {
     status.address = "udp " + settings_.bind->address + ":" + std::to_string(local_port());
-    status.client_present = last_received_ && now - *last_received_ < kPresenceMemory;
+    status.client_present = last_received_ && now - *last_received_ < kPeerMemory;
     return status;
   }
   int pending = 0;
@@ -239,7 +239,7 @@ EndpointStatus UdpSocket::status() const {
   status.address = "udp " + text(*settings_.destination);
   status.client_present =
       last_sent_ &&
-      (!last_refused_ || (*last_sent_ > *last_refused_ && now - *last_refused_ > kPresenceMemory));
+      (!last_refused_ || (*last_sent_ > *last_refused_ && now - *last_refused_ > kPeerMemory));
   return status;
 }
 

@@ -159,9 +159,6 @@ struct Row {
   ObjectName needs;
   void (*run)(T&);
 };
-constexpr auto kMust = Strength::must;
-constexpr auto kNone = Danger::none;
-constexpr auto kWrites = Danger::writes;
 constexpr ObjectName kHeartbeat{0x1017, 0};
 
 const std::array kRows{

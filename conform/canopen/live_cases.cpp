@@ -20,7 +20,7 @@ constexpr std::uint8_t kStop = 0x02;
 constexpr std::uint8_t kPreOperational = 0x80;
 constexpr std::uint8_t kResetNode = 0x81;
 constexpr std::uint8_t kResetCommunication = 0x82;
-constexpr ObjectName kHeartbeat{0x1017, 0};
+constexpr ObjectName kHeartbeatTime{0x1017, 0};
 constexpr ObjectName kPosition{0x6004, 0};
 
 std::string in_ms(double value) {
@@ -55,11 +55,11 @@ void heartbeats(T& trial) {
 }
 
 void no_heartbeat(T& trial) {
-  const auto before = trial.number(kHeartbeat);
-  if (before && trial.write(kHeartbeat, little(0, 2))) {
+  const auto before = trial.number(kHeartbeatTime);
+  if (before && trial.write(kHeartbeatTime, little(0, 2))) {
     const auto all = trial.listen(trial.with_node(0x700), milliseconds(800));
     trial.expect(all.empty(), "none with a time of 0", std::to_string(all.size()));
-    trial.write(kHeartbeat, little(*before, 2));
+    trial.write(kHeartbeatTime, little(*before, 2));
   }
 }
 
@@ -282,7 +282,7 @@ void other_direction(T& trial) {
   trial.write({0x6000, 0}, little(*before, 2));
 }
 
-struct Row {
+struct LiveRow {
   const char* section;
   const char* title;
   Danger danger;
@@ -290,32 +290,30 @@ struct Row {
   void (*run)(T&);
   Strength strength = Strength::must;
 };
-constexpr auto kNone = Danger::none;
-constexpr auto kWrites = Danger::writes;
 
-const std::vector<Row>& network_rows() {
-  static const std::vector<Row> rows{
-      {"7.2.8.3.2.2", "Heartbeats come with their time", kWrites, {kHeartbeat}, heartbeats},
-      {"7.2.8.3.2.2", "With a time of 0 there are none", kWrites, {kHeartbeat}, no_heartbeat},
+const std::vector<LiveRow>& network_rows() {
+  static const std::vector<LiveRow> rows{
+      {"7.2.8.3.2.2", "Heartbeats come with their time", kWrites, {kHeartbeatTime}, heartbeats},
+      {"7.2.8.3.2.2", "With a time of 0 there are none", kWrites, {kHeartbeatTime}, no_heartbeat},
       {"7.2.8.3.1.1",
        "Started it is operational",
        kWrites,
-       {kHeartbeat},
+       {kHeartbeatTime},
        [](T& t) { state_after(t, kStart, 0x05, "operational"); }},
       {"7.2.8.3.1.1",
        "Stopped it is stopped",
        kWrites,
-       {kHeartbeat},
+       {kHeartbeatTime},
        [](T& t) { state_after(t, kStop, 0x04, "stopped"); }},
       {"7.2.8.3.1.1",
        "It becomes pre-operational",
        kWrites,
-       {kHeartbeat},
+       {kHeartbeatTime},
        [](T& t) { state_after(t, kPreOperational, 0x7F, "pre-operational"); }},
       {"7.2.8.3.1.1",
        "Another node's command is not its own",
        kWrites,
-       {kHeartbeat},
+       {kHeartbeatTime},
        [](T& t) {
          const auto other =
              static_cast<std::uint8_t>(t.claims().node == 127 ? 126 : t.claims().node + 1);
@@ -324,14 +322,14 @@ const std::vector<Row>& network_rows() {
       {"7.2.8.3.1.1",
        "A command that there is not does nothing",
        kWrites,
-       {kHeartbeat},
+       {kHeartbeatTime},
        [](T& t) {
          unaffected(t, {0x77, t.claims().node}, "command 77");
        }},
       {"7.2.8.3.1.1",
        "A command of one byte does nothing",
        kWrites,
-       {kHeartbeat},
+       {kHeartbeatTime},
        [](T& t) { unaffected(t, {kStart}, "start, without a node-ID"); }},
       {"7.2.8.3.1.1",
        "Communication that is reset boots",
@@ -343,14 +341,14 @@ const std::vector<Row>& network_rows() {
        kWrites,
        {},
        [](T& t) { boots_again(t, kResetNode, "reset node"); }},
-      {"7.2.8.2.1", "Stopped it answers no SDO", kWrites, {kHeartbeat}, stopped_is_silent},
-      {"7.2.8.2.1", "Pre-operational it sends no PDO", kWrites, {kHeartbeat}, no_pdo_before},
+      {"7.2.8.2.1", "Stopped it answers no SDO", kWrites, {kHeartbeatTime}, stopped_is_silent},
+      {"7.2.8.2.1", "Pre-operational it sends no PDO", kWrites, {kHeartbeatTime}, no_pdo_before},
   };
   return rows;
 }
 
-const std::vector<Row>& pdo_rows() {
-  static const std::vector<Row> rows{
+const std::vector<LiveRow>& pdo_rows() {
+  static const std::vector<LiveRow> rows{
       {"7.2.2",
        "TPDO1 comes with an event timer of 50 ms",
        kWrites,
@@ -378,8 +376,8 @@ const std::vector<Row>& pdo_rows() {
   return rows;
 }
 
-const std::vector<Row>& encoder_rows() {
-  static const std::vector<Row> rows{
+const std::vector<LiveRow>& encoder_rows() {
+  static const std::vector<LiveRow> rows{
       {"1000", "The device type is an encoder's", kNone, {kPosition}, is_encoder},
       {"1000", "The device type tells one revolution from several", kNone, {{0x6502, 0}}, turns},
       {"6500",
@@ -433,9 +431,9 @@ const std::vector<Row>& encoder_rows() {
   return rows;
 }
 
-std::vector<CanopenCase> cases_of(const std::vector<Row>& rows, Citations& citations) {
+std::vector<CanopenCase> cases_of(const std::vector<LiveRow>& rows, Citations& citations) {
   std::vector<CanopenCase> all;
-  for (const Row& row : rows) {
+  for (const LiveRow& row : rows) {
     all.push_back(
         {citations.next(row.section, row.title, row.strength, row.danger), row.needs, row.run});
   }

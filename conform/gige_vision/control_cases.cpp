@@ -16,9 +16,6 @@ namespace {
 using T = GigeVisionTrial;
 using Bytes = GigeBytes;
 
-constexpr auto kMust = Strength::must;
-constexpr auto kShould = Strength::should;
-constexpr auto kObserved = Strength::observed;
 constexpr std::uint32_t kNowhere = 0xFFFF'FFF0;
 constexpr unsigned kMemoryMaximum = 536;
 

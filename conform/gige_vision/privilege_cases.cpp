@@ -15,8 +15,6 @@ namespace {
 using T = GigeVisionTrial;
 using Bytes = GigeBytes;
 
-constexpr auto kMust = Strength::must;
-constexpr auto kShould = Strength::should;
 constexpr auto kDenied = static_cast<std::uint16_t>(GigeStatus::access_denied);
 
 void denied(T& trial, std::optional<std::uint16_t> status) {
@@ -141,8 +139,9 @@ void heartbeat_keeps(T& trial) {
   }
 }
 
-/// Twice, with the timeout of heartbeats changed between: a repeated command changes nothing.
-void repeated(T& trial) {
+/// Twice, with the timeout of heartbeats changed between: a repeated_request command changes
+/// nothing.
+void repeated_request(T& trial) {
   const auto before = trial.take_control() ? trial.read(boot::kHeartbeatTimeout) : std::nullopt;
   if (!before) {
     return;
@@ -287,7 +286,7 @@ constexpr GigeVisionRow row(const char* chapter, const char* title, Strength str
   return {chapter, title, strength, run, Danger::writes, capability, false};
 }
 
-constexpr std::array kRows{
+constexpr std::array kPrivilegeRows{
     row("control", "Control is taken", kMust, taken),
     row("control", "Control is given back, and another may take it", kMust, given_back),
     row("control", "Another application does not take it meanwhile", kMust, not_taken_twice),
@@ -301,7 +300,7 @@ constexpr std::array kRows{
     row("control", "A heartbeat's timeout below 500 ms is not taken", kShould, heartbeat_floor),
     row("control", "Who is silent loses control", kMust, silence_loses),
     row("control", "Who is heard of keeps it", kMust, heartbeat_keeps),
-    row("control", "WRITEREG that comes again is answered again", kMust, repeated),
+    row("control", "WRITEREG that comes again is answered again", kMust, repeated_request),
     row(
         "control", "WRITEREG of two tells that two were written", kMust,
         [](T& t) { two_written(t, boot::kHeartbeatTimeout, 2, true); },
@@ -322,7 +321,7 @@ constexpr std::array kRows{
 }  // namespace
 
 std::vector<GigeVisionCase> gige_privilege_cases() {
-  return gige_cases_in_control_of(kRows);
+  return gige_cases_in_control_of(kPrivilegeRows);
 }
 
 }  // namespace rigwire::conform

@@ -41,57 +41,59 @@ Bytes read_of(std::uint32_t address) {
   return T::framed(Gvcp::kReadRegisters, gige_word(address), 1);
 }
 
-struct Row {
+struct RobustnessRow {
   const char* title;
   void (*run)(T&);
 };
-constexpr std::array kRows{
-    Row{"Noise",
-        [](T& t) {
-          survives(t, 200, "noise", [](std::uint32_t n) { return noise(1 + n % 500, n); });
-        }},
-    Row{"Empty datagrams",
-        [](T& t) { survives(t, 20, "nothing", [](std::uint32_t) { return Bytes(); }); }},
-    Row{"Noise behind the key of a command",
-        [](T& t) {
-          survives(t, 500, "a key and noise", [](std::uint32_t n) {
-            Bytes bytes = noise(8 + n % 540, n);
-            bytes[0] = 0x42;
-            bytes[2] = 0x7F;  // No command that does anything.
-            return bytes;
-          });
-        }},
-    Row{"Datagrams longer than any command",
-        [](T& t) {
-          survives(t, 10, "9000 bytes", [](std::uint32_t n) { return noise(9000, n); });
-        }},
-    Row{"Commands that end in the middle",
-        [](T& t) {
-          survives(t, 12, "part of a READREG", [](std::uint32_t n) {
-            Bytes bytes = read_of(0);
-            bytes.resize(n);
-            return bytes;
-          });
-        }},
-    Row{"A thousand reads without waiting",
+constexpr std::array kRobustnessRows{
+    RobustnessRow{"Noise",
+                  [](T& t) {
+                    survives(t, 200, "noise",
+                             [](std::uint32_t n) { return noise(1 + n % 500, n); });
+                  }},
+    RobustnessRow{"Empty datagrams",
+                  [](T& t) { survives(t, 20, "nothing", [](std::uint32_t) { return Bytes(); }); }},
+    RobustnessRow{"Noise behind the key of a command",
+                  [](T& t) {
+                    survives(t, 500, "a key and noise", [](std::uint32_t n) {
+                      Bytes bytes = noise(8 + n % 540, n);
+                      bytes[0] = 0x42;
+                      bytes[2] = 0x7F;  // No command that does anything.
+                      return bytes;
+                    });
+                  }},
+    RobustnessRow{"Datagrams longer than any command",
+                  [](T& t) {
+                    survives(t, 10, "9000 bytes", [](std::uint32_t n) { return noise(9000, n); });
+                  }},
+    RobustnessRow{"Commands that end in the middle",
+                  [](T& t) {
+                    survives(t, 12, "part of a READREG", [](std::uint32_t n) {
+                      Bytes bytes = read_of(0);
+                      bytes.resize(n);
+                      return bytes;
+                    });
+                  }},
+    RobustnessRow{
+        "A thousand reads without waiting",
         [](T& t) { survives(t, 1000, "READREG", [](std::uint32_t) { return read_of(0); }); }},
-    Row{"A thousand addresses that there are not",
-        [](T& t) {
-          survives(t, 1000, "READREG",
-                   [](std::uint32_t n) { return read_of(0xFFF0'0000U + 4U * n); });
-        }},
-    Row{"A flood of DISCOVERY",
-        [](T& t) {
-          survives(t, 500, "DISCOVERY",
-                   [](std::uint32_t) { return T::framed(Gvcp::kDiscovery, {}, 1); });
-        }},
+    RobustnessRow{"A thousand addresses that there are not",
+                  [](T& t) {
+                    survives(t, 1000, "READREG",
+                             [](std::uint32_t n) { return read_of(0xFFF0'0000U + 4U * n); });
+                  }},
+    RobustnessRow{"A flood of DISCOVERY",
+                  [](T& t) {
+                    survives(t, 500, "DISCOVERY",
+                             [](std::uint32_t) { return T::framed(Gvcp::kDiscovery, {}, 1); });
+                  }},
 };
 
 }  // namespace
 
 std::vector<GigeVisionCase> gige_robustness_cases() {
   std::vector<GigeVisionRow> rows;
-  for (const Row& row : kRows) {
+  for (const RobustnessRow& row : kRobustnessRows) {
     rows.push_back({"robustness", row.title, Strength::must, row.run});
   }
   std::vector<GigeVisionCase> all = gige_cases_of(rows);

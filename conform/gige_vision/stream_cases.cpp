@@ -19,14 +19,12 @@ namespace {
 using T = GigeVisionTrial;
 using Bytes = GigeBytes;
 
-constexpr auto kMust = Strength::must;
-constexpr auto kShould = Strength::should;
 constexpr unsigned kLeader = 1;
 constexpr unsigned kTrailer = 2;
 constexpr unsigned kPayload = 3;
 constexpr unsigned kMultipart = 7;
 
-std::uint32_t own_address(T& trial) {
+std::uint32_t own_address_word(T& trial) {
   std::uint32_t number = 0;
   std::uint32_t part = 0;
   for (const char c : trial.device().own_address + ".") {
@@ -44,7 +42,7 @@ std::uint32_t own_address(T& trial) {
 
 /// Control, with the stream to our port.
 bool open_stream(T& trial) {
-  return trial.take_control() && trial.write(boot::kStreamDestination, own_address(trial)) &&
+  return trial.take_control() && trial.write(boot::kStreamDestination, own_address_word(trial)) &&
          trial.write(boot::kStreamPort, trial.device().line->own(T::kStream).port);
 }
 
@@ -508,7 +506,7 @@ constexpr GigeVisionRow picture(const char* title, Strength strength, void (*run
   return {"blocks", title, strength, run, Danger::writes, capability, true};
 }
 
-constexpr std::array kRows{
+constexpr std::array kStreamRows{
     setting("The packet size is kept", kMust,
             [](T& t) { kept<boot::kStreamPacketSize>(t, 1000, gev::PacketSize::kSize); }),
     setting("The delay between packets is kept", kMust,
@@ -547,7 +545,7 @@ constexpr std::array kRows{
 }  // namespace
 
 std::vector<GigeVisionCase> gige_stream_cases() {
-  return gige_cases_in_control_of(kRows);
+  return gige_cases_in_control_of(kStreamRows);
 }
 
 }  // namespace rigwire::conform

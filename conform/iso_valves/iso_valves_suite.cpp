@@ -508,9 +508,6 @@ constexpr const char* kOfMeasurement = "ISO 11783-7, auxiliary valve measured fl
 constexpr const char* kOfCommand = "ISO 11783-7, auxiliary valve command";
 constexpr const char* kOfExit = "ISO 11783-7, exit/reason code; its place by analogy with guidance";
 constexpr const char* kOfName = "ISO 11783-5, NAME";
-constexpr auto kMust = Strength::must;
-constexpr auto kShould = Strength::should;
-constexpr auto kWrites = Danger::writes;
 constexpr auto kMoves = Danger::moves;
 
 constexpr std::array kRows{

@@ -448,7 +448,7 @@ void priority(T& trial, const Group& group) {
   }
 }
 
-struct Row {
+struct NetworkRow {
   const char* section;
   const char* title;
   void (*run)(T&);
@@ -481,32 +481,33 @@ std::vector<J1939Case> j1939_network_cases() {
   std::vector<J1939Case> all;
   Citations names("j1939-81", "SAE J1939-81");
   Citations requests("j1939", "SAE J1939-21");
-  const std::array claims{Row{"4.2.1", "Asked for its claim it tells it",
-                              [](T& t) { claims_when_asked(t, t.claims().address); }},
-                          Row{"4.2.1", "When everybody is asked for claims it tells its own",
-                              [](T& t) { claims_when_asked(t, T::kEverybody); }},
-                          Row{"4.1.1", "Its NAME stays the same", same_name},
-                          Row{"4.1.1", "The reserved bit of its NAME is 0", reserved_bit},
-                          Row{"4.2.2", "It defends its address against a higher NAME", defends,
-                              Strength::must, Danger::writes}};
-  for (const Row& row : claims) {
+  const std::array claims{NetworkRow{"4.2.1", "Asked for its claim it tells it",
+                                     [](T& t) { claims_when_asked(t, t.claims().address); }},
+                          NetworkRow{"4.2.1", "When everybody is asked for claims it tells its own",
+                                     [](T& t) { claims_when_asked(t, T::kEverybody); }},
+                          NetworkRow{"4.1.1", "Its NAME stays the same", same_name},
+                          NetworkRow{"4.1.1", "The reserved bit of its NAME is 0", reserved_bit},
+                          NetworkRow{"4.2.2", "It defends its address against a higher NAME",
+                                     defends, Strength::must, Danger::writes}};
+  for (const NetworkRow& row : claims) {
     all.push_back(
         {.identity = names.next(row.section, row.title, row.strength, row.danger), .run = row.run});
   }
   const std::array asked{
-      Row{"5.4.4", "A group that it does not have is refused", refused},
-      Row{"5.4.4", "An acknowledgement goes to everybody", refused_to_everybody, Strength::should},
-      Row{"5.4.2", "Asked for by everybody it is not refused",
-          [](T& t) {
-            if (t.request(kNoGroup, T::kEverybody)) {
-              t.silent({T::kAcknowledgement}, "a request to everybody");
-            }
-          }},
-      Row{"5.4.2", "A request of two bytes is not answered", wrong_length, Strength::should},
-      Row{"5.4.2", "Another node's request is not answered", other_address},
-      Row{"5.2", "A remote frame is not answered", [](T& t) { other_frame(t, true); }},
-      Row{"5.2", "A frame of 11 bits is not answered", [](T& t) { other_frame(t, false); }}};
-  for (const Row& row : asked) {
+      NetworkRow{"5.4.4", "A group that it does not have is refused", refused},
+      NetworkRow{"5.4.4", "An acknowledgement goes to everybody", refused_to_everybody,
+                 Strength::should},
+      NetworkRow{"5.4.2", "Asked for by everybody it is not refused",
+                 [](T& t) {
+                   if (t.request(kNoGroup, T::kEverybody)) {
+                     t.silent({T::kAcknowledgement}, "a request to everybody");
+                   }
+                 }},
+      NetworkRow{"5.4.2", "A request of two bytes is not answered", wrong_length, Strength::should},
+      NetworkRow{"5.4.2", "Another node's request is not answered", other_address},
+      NetworkRow{"5.2", "A remote frame is not answered", [](T& t) { other_frame(t, true); }},
+      NetworkRow{"5.2", "A frame of 11 bits is not answered", [](T& t) { other_frame(t, false); }}};
+  for (const NetworkRow& row : asked) {
     all.push_back({.identity = requests.next(row.section, row.title, row.strength, row.danger),
                    .run = row.run});
   }
@@ -523,17 +524,17 @@ std::vector<J1939Case> j1939_network_cases() {
 std::vector<J1939Case> j1939_transport_cases() {
   Citations citations("j1939", "SAE J1939-21");
   const std::array rows{
-      Row{"5.10.2", "A long group to everybody is announced and sent, 50 to 200 ms apart",
-          broadcast},
-      Row{"5.10.3", "A long group to one is announced, and sent when it may", to_us},
-      Row{"5.10.3", "Of packets as many are sent as are asked for", one_by_one},
-      Row{"5.10.3", "A packet is sent again when it is asked for", once_more},
-      Row{"5.10.3", "Nothing is sent while it is held", held},
-      Row{"5.10.3", "Aborted it sends no more", aborted},
-      Row{"5.10.2.4", "Without an answer it gives up", gives_up},
-      Row{"5.10.3", "More than 1785 bytes are not taken", too_long, Strength::should}};
+      NetworkRow{"5.10.2", "A long group to everybody is announced and sent, 50 to 200 ms apart",
+                 broadcast},
+      NetworkRow{"5.10.3", "A long group to one is announced, and sent when it may", to_us},
+      NetworkRow{"5.10.3", "Of packets as many are sent as are asked for", one_by_one},
+      NetworkRow{"5.10.3", "A packet is sent again when it is asked for", once_more},
+      NetworkRow{"5.10.3", "Nothing is sent while it is held", held},
+      NetworkRow{"5.10.3", "Aborted it sends no more", aborted},
+      NetworkRow{"5.10.2.4", "Without an answer it gives up", gives_up},
+      NetworkRow{"5.10.3", "More than 1785 bytes are not taken", too_long, Strength::should}};
   std::vector<J1939Case> all;
-  for (const Row& row : rows) {
+  for (const NetworkRow& row : rows) {
     all.push_back({.identity = citations.next(row.section, row.title, row.strength, row.danger),
                    .long_group = true,
                    .run = row.run});

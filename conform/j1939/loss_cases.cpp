@@ -18,7 +18,7 @@ using T = J1939Trial;
 using Bytes = std::vector<std::uint8_t>;
 using std::chrono::milliseconds;
 
-constexpr std::uint8_t kNone = 254;       // Source of who has no address.
+constexpr std::uint8_t kNoAddress = 254;  // Source of who has no address.
 constexpr std::uint8_t kElsewhere = 196;  // Where the contender goes to leave an address.
 constexpr std::uint32_t kCommandedAddress = 0xFED8;
 constexpr std::uint8_t kBroadcast = 32;
@@ -30,9 +30,9 @@ constexpr milliseconds kSilence{250};
 
 struct Loss {
   Bytes name;
-  std::uint8_t address = kNone;  ///< That it has instead.
+  std::uint8_t address = kNoAddress;  ///< That it has instead.
 
-  [[nodiscard]] bool none() const { return address == kNone; }
+  [[nodiscard]] bool none() const { return address == kNoAddress; }
 };
 
 bool wins(const Bytes& name, const Bytes& other) {
@@ -51,7 +51,7 @@ bool contend(T& trial, const Bytes& name, std::uint8_t address, const std::strin
 
 void leave(T& trial, const Bytes& name) {
   static_cast<void>(contend(trial, name, kElsewhere, "the contender claims another address"));
-  static_cast<void>(contend(trial, name, kNone, "and leaves that"));
+  static_cast<void>(contend(trial, name, kNoAddress, "and leaves that"));
 }
 
 /// Who claims with that NAME: the first that is not `but`, else that; nothing in that time.
@@ -119,7 +119,7 @@ std::string give_back(T& trial, const Bytes& name) {
   }
   address = asked();
   constexpr int kTries = 3;
-  for (int i = 0; i < kTries && address && *address != kNone; ++i) {
+  for (int i = 0; i < kTries && address && *address != kNoAddress; ++i) {
     static_cast<void>(contend(trial, name, *address, "a claim of that address by a lower NAME"));
     address = claimed(trial, name, patience, address);
     leave(trial, name);
@@ -183,7 +183,7 @@ void is_silent(T& trial) {
     if (!loss.none()) {
       return trial.not_applicable("it has taken address " + std::to_string(loss.address));
     }
-    const std::size_t count = spoken_by(trial, kNone, loss.name);
+    const std::size_t count = spoken_by(trial, kNoAddress, loss.name);
     trial.expect(count == 0, "without an address nothing but cannot claim",
                  std::to_string(count) + " frames in a second");
   }));

@@ -276,7 +276,7 @@ void no_queue(T& trial) {
   trial.refuses(fields_pdu(kQueue, {address}), ExceptionCode::illegal_data_address);
 }
 
-struct Row {
+struct FileRow {
   std::uint8_t function;
   const char* section;
   const char* title;
@@ -284,52 +284,52 @@ struct Row {
   Strength strength = Strength::must;
   bool writes = false;
 };
-constexpr auto kShould = Strength::should;
-constexpr auto kMust = Strength::must;
 constexpr auto kNoAddress = ExceptionCode::illegal_data_address;
 
-const std::array kRows{
-    Row{kRead, "6.14", "A record is read", reads_one},
-    Row{kRead, "6.14", "A record is the same when read again", reads_twice},
-    Row{kRead, "6.14", "Two groups are read at once", reads_groups},
-    Row{kRead, "6.14", "Each record alone as in a block", reads_block},
-    Row{kRead, "6.14", "A reference type other than 6 is refused",
-        [](T& t) {
-          Group group = first(t);
-          group.type = 5;
-          refused(t, group, kNoAddress);
-        }},
-    Row{kRead, "6.14", "File 0 is refused",
-        [](T& t) {
-          refused(t, {0, 0}, kNoAddress);
-        }},
-    Row{kRead, "6.14", "A file that there is not is refused", other_file},
-    Row{kRead, "6.14", "Record 10000 is refused",
-        [](T& t) {
-          refused(t, {first(t).file, kRecords}, kNoAddress);
-        }},
-    Row{kRead, "6.14", "Records that begin in a file and end outside are refused", beyond_the_file},
-    Row{kRead, "6.14", "A length below 7 is refused", odd_length},
-    Row{kRead, "6.14", "A length above 245 is refused", too_long},
-    Row{kRead, "6.14", "A request that ends within its group is refused", cut_off, kShould},
-    Row{kWrite, "6.15", "A record is written and read back", writes_one, kMust, true},
-    Row{kWrite, "6.15", "A reference type other than 6 is refused, nothing changes",
-        writes_other_type, kMust, true},
-    Row{kWrite, "6.15", "File 0 is refused, nothing changes", writes_file_0, kMust, true},
-    Row{kWrite, "6.15", "Record 10000 is refused, nothing changes", writes_record_10000, kMust,
-        true},
-    Row{kWrite, "6.15", "A length below 9 is refused, nothing changes", writes_short, kMust, true},
-    Row{kWrite, "6.15", "Fewer records than are said are refused, nothing changes",
-        writes_less_than_it_says, kShould, true},
-    Row{kQueue, "6.18", "A queue is read: its count, at most 31, and as many registers",
-        [](T& t) { static_cast<void>(queued(t)); }},
-    Row{kQueue, "6.18", "Reading takes nothing out of the queue", stays_queued},
-    Row{kQueue, "6.18", "An address that is no queue is refused", no_queue},
-    Row{kQueue, "6.18", "A request that ends within its address is refused",
-        [](T& t) {
-          t.refuses({kQueue, 0}, ExceptionCode::illegal_data_value);
-        },
-        kShould},
+const std::array kFileRows{
+    FileRow{kRead, "6.14", "A record is read", reads_one},
+    FileRow{kRead, "6.14", "A record is the same when read again", reads_twice},
+    FileRow{kRead, "6.14", "Two groups are read at once", reads_groups},
+    FileRow{kRead, "6.14", "Each record alone as in a block", reads_block},
+    FileRow{kRead, "6.14", "A reference type other than 6 is refused",
+            [](T& t) {
+              Group group = first(t);
+              group.type = 5;
+              refused(t, group, kNoAddress);
+            }},
+    FileRow{kRead, "6.14", "File 0 is refused",
+            [](T& t) {
+              refused(t, {0, 0}, kNoAddress);
+            }},
+    FileRow{kRead, "6.14", "A file that there is not is refused", other_file},
+    FileRow{kRead, "6.14", "Record 10000 is refused",
+            [](T& t) {
+              refused(t, {first(t).file, kRecords}, kNoAddress);
+            }},
+    FileRow{kRead, "6.14", "Records that begin in a file and end outside are refused",
+            beyond_the_file},
+    FileRow{kRead, "6.14", "A length below 7 is refused", odd_length},
+    FileRow{kRead, "6.14", "A length above 245 is refused", too_long},
+    FileRow{kRead, "6.14", "A request that ends within its group is refused", cut_off, kShould},
+    FileRow{kWrite, "6.15", "A record is written and read back", writes_one, kMust, true},
+    FileRow{kWrite, "6.15", "A reference type other than 6 is refused, nothing changes",
+            writes_other_type, kMust, true},
+    FileRow{kWrite, "6.15", "File 0 is refused, nothing changes", writes_file_0, kMust, true},
+    FileRow{kWrite, "6.15", "Record 10000 is refused, nothing changes", writes_record_10000, kMust,
+            true},
+    FileRow{kWrite, "6.15", "A length below 9 is refused, nothing changes", writes_short, kMust,
+            true},
+    FileRow{kWrite, "6.15", "Fewer records than are said are refused, nothing changes",
+            writes_less_than_it_says, kShould, true},
+    FileRow{kQueue, "6.18", "A queue is read: its count, at most 31, and as many registers",
+            [](T& t) { static_cast<void>(queued(t)); }},
+    FileRow{kQueue, "6.18", "Reading takes nothing out of the queue", stays_queued},
+    FileRow{kQueue, "6.18", "An address that is no queue is refused", no_queue},
+    FileRow{kQueue, "6.18", "A request that ends within its address is refused",
+            [](T& t) {
+              t.refuses({kQueue, 0}, ExceptionCode::illegal_data_value);
+            },
+            kShould},
 };
 
 }  // namespace
@@ -337,7 +337,7 @@ const std::array kRows{
 std::vector<ModbusCase> modbus_file_cases() {
   std::vector<ModbusCase> all;
   Citations citations("modbus", kApplicationProtocol);
-  for (const Row& row : kRows) {
+  for (const FileRow& row : kFileRows) {
     ModbusCase& made = all.emplace_back();
     made.identity = citations.next(row.section, row.title, row.strength,
                                    row.writes ? Danger::writes : Danger::none);

@@ -182,40 +182,39 @@ void run_indicator(T& trial) {
   }
 }
 
-struct Row {
+struct IdentityRow {
   std::uint8_t function;
   const char* section;
   const char* title;
   Strength strength;
   void (*run)(T&);
 };
-constexpr auto kMust = Strength::must;
 
-constexpr std::array kRows{
-    Row{17, "6.13", "The answer has as many bytes as it counts", kMust, server_identifier},
-    Row{17, "6.13", "What a device tells of itself", Strength::observed, run_indicator},
-    Row{17, "6.13", "A request with a byte too many is refused", Strength::should,
-        [](T& t) {
-          t.refuses({17, 0}, ExceptionCode::illegal_data_value);
-        }},
-    Row{43, "6.21", "The basic stream has the three mandatory objects", kMust, basic},
-    Row{43, "6.21", "The conformity level is one that there is", kMust, conformity},
-    Row{43, "6.21", "The regular stream has objects up to 7F, at the level that there is", kMust,
-        [](T& t) { level(t, kRegular); }},
-    Row{43, "6.21", "The extended stream, at the level that there is", kMust,
-        [](T& t) { level(t, kExtended); }},
-    Row{43, "6.21", "A single object is as in the stream", kMust, single},
-    Row{43, "6.21", "A single object that there is not is refused", kMust, unknown_object},
-    Row{43, "6.21", "A stream from an object that there is not begins anew", kMust,
-        stream_from_unknown},
-    Row{43, "6.21", "An access that there is not is refused", kMust,
-        [](T& t) { t.refuses(identification(5, 0), ExceptionCode::illegal_data_value); }},
-    Row{43, "6.21", "An access of 0 is refused", kMust,
-        [](T& t) { t.refuses(identification(0, 0), ExceptionCode::illegal_data_value); }},
-    Row{43, "6.20", "An interface that there is not is refused", kMust,
-        [](T& t) {
-          t.refuses({43, 0x55, 1, 0}, ExceptionCode::illegal_function);
-        }},
+constexpr std::array kIdentityRows{
+    IdentityRow{17, "6.13", "The answer has as many bytes as it counts", kMust, server_identifier},
+    IdentityRow{17, "6.13", "What a device tells of itself", Strength::observed, run_indicator},
+    IdentityRow{17, "6.13", "A request with a byte too many is refused", Strength::should,
+                [](T& t) {
+                  t.refuses({17, 0}, ExceptionCode::illegal_data_value);
+                }},
+    IdentityRow{43, "6.21", "The basic stream has the three mandatory objects", kMust, basic},
+    IdentityRow{43, "6.21", "The conformity level is one that there is", kMust, conformity},
+    IdentityRow{43, "6.21", "The regular stream has objects up to 7F, at the level that there is",
+                kMust, [](T& t) { level(t, kRegular); }},
+    IdentityRow{43, "6.21", "The extended stream, at the level that there is", kMust,
+                [](T& t) { level(t, kExtended); }},
+    IdentityRow{43, "6.21", "A single object is as in the stream", kMust, single},
+    IdentityRow{43, "6.21", "A single object that there is not is refused", kMust, unknown_object},
+    IdentityRow{43, "6.21", "A stream from an object that there is not begins anew", kMust,
+                stream_from_unknown},
+    IdentityRow{43, "6.21", "An access that there is not is refused", kMust,
+                [](T& t) { t.refuses(identification(5, 0), ExceptionCode::illegal_data_value); }},
+    IdentityRow{43, "6.21", "An access of 0 is refused", kMust,
+                [](T& t) { t.refuses(identification(0, 0), ExceptionCode::illegal_data_value); }},
+    IdentityRow{43, "6.20", "An interface that there is not is refused", kMust,
+                [](T& t) {
+                  t.refuses({43, 0x55, 1, 0}, ExceptionCode::illegal_function);
+                }},
 };
 
 }  // namespace
@@ -223,7 +222,7 @@ constexpr std::array kRows{
 std::vector<ModbusCase> modbus_identity_cases() {
   std::vector<ModbusCase> all;
   Citations citations("modbus", kApplicationProtocol);
-  for (const Row& row : kRows) {
+  for (const IdentityRow& row : kIdentityRows) {
     ModbusCase& made = all.emplace_back();
     made.identity = citations.next(row.section, row.title, row.strength);
     made.needs.function = row.function;

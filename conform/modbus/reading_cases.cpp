@@ -21,7 +21,7 @@ struct ReadFunction {
   std::string_view items;
   unsigned most;  ///< In one request.
 };
-constexpr std::array<ReadFunction, 4> kFunctions{
+constexpr std::array<ReadFunction, 4> kReadFunctions{
     {{1, Table::coils, "coils", modbus::kReadBitsMaximum},
      {2, Table::discrete_inputs, "discrete inputs", modbus::kReadBitsMaximum},
      {3, Table::holding_registers, "holding registers", modbus::kReadRegistersMaximum},
@@ -129,7 +129,6 @@ std::vector<ModbusCase> cases_of(const ReadFunction& function) {
     made.needs.function = function.code;
     made.run = [run, &function](ModbusTrial& trial) { run(trial, function); };
   };
-  using T = ModbusTrial;
   using F = ReadFunction;
   const std::string most = std::to_string(function.most);
   add("One of the " + items + ", the first", Strength::must,
@@ -179,7 +178,7 @@ std::vector<ModbusCase> cases_of(const ReadFunction& function) {
 
 std::vector<ModbusCase> modbus_reading_cases() {
   std::vector<ModbusCase> all;
-  for (const ReadFunction& function : kFunctions) {
+  for (const ReadFunction& function : kReadFunctions) {
     std::ranges::move(cases_of(function), std::back_inserter(all));
   }
   return all;

@@ -39,52 +39,53 @@ std::vector<std::uint8_t> noise(std::size_t size) {
   return bytes;
 }
 
-struct Row {
+struct RobustnessRow {
   bool tcp;
   const char* title;
   void (*run)(T&);
 };
 
-constexpr std::array kRows{
-    Row{true, "A length of 0", [](T& t) { survives(t, header(0), "length 0"); }},
-    Row{true, "A length of 1", [](T& t) { survives(t, header(1), "length 1"); }},
-    Row{true, "A length of 255",
-        [](T& t) {
-          auto bytes = header(255);
-          bytes.resize(6 + 255);
-          survives(t, bytes, "length 255");
-        }},
-    Row{true, "A length of 65535", [](T& t) { survives(t, header(0xFFFF), "length 65535"); }},
-    Row{true, "Half a header, and the connection ends",
-        [](T& t) {
-          survives(t, {0, 1, 0}, "three bytes");
-        }},
-    Row{true, "A header without its data unit, and the connection ends",
-        [](T& t) { survives(t, header(6), "a header"); }},
-    Row{false, "Noise", [](T& t) { survives(t, noise(260), "noise"); }},
-    Row{true, "Much noise", [](T& t) { survives(t, noise(100'000), "much noise"); }},
-    Row{true, "A thousand requests without waiting",
-        [](T& t) {
-          std::vector<std::uint8_t> bytes;
-          for (int i = 0; i < 1000; ++i) {
-            const auto one = t.framed(t.any_request());
-            bytes.insert(bytes.end(), one.begin(), one.end());
-          }
-          survives(t, bytes, "a thousand requests");
-        }},
-    Row{true, "Fifty connections that say nothing",
-        [](T& t) {
-          std::vector<std::unique_ptr<ByteLine>> idle;
-          try {
-            for (int i = 0; i < 50; ++i) {
-              idle.push_back(t.another());
-            }
-          } catch (const Unreachable& refused) {
-            t.note(std::to_string(idle.size()) + " were let in: " + refused.what());
-          }
-          idle.clear();
-          survives(t, {}, "nothing");
-        }},
+constexpr std::array kRobustnessRows{
+    RobustnessRow{true, "A length of 0", [](T& t) { survives(t, header(0), "length 0"); }},
+    RobustnessRow{true, "A length of 1", [](T& t) { survives(t, header(1), "length 1"); }},
+    RobustnessRow{true, "A length of 255",
+                  [](T& t) {
+                    auto bytes = header(255);
+                    bytes.resize(6 + 255);
+                    survives(t, bytes, "length 255");
+                  }},
+    RobustnessRow{true, "A length of 65535",
+                  [](T& t) { survives(t, header(0xFFFF), "length 65535"); }},
+    RobustnessRow{true, "Half a header, and the connection ends",
+                  [](T& t) {
+                    survives(t, {0, 1, 0}, "three bytes");
+                  }},
+    RobustnessRow{true, "A header without its data unit, and the connection ends",
+                  [](T& t) { survives(t, header(6), "a header"); }},
+    RobustnessRow{false, "Noise", [](T& t) { survives(t, noise(260), "noise"); }},
+    RobustnessRow{true, "Much noise", [](T& t) { survives(t, noise(100'000), "much noise"); }},
+    RobustnessRow{true, "A thousand requests without waiting",
+                  [](T& t) {
+                    std::vector<std::uint8_t> bytes;
+                    for (int i = 0; i < 1000; ++i) {
+                      const auto one = t.framed(t.any_request());
+                      bytes.insert(bytes.end(), one.begin(), one.end());
+                    }
+                    survives(t, bytes, "a thousand requests");
+                  }},
+    RobustnessRow{true, "Fifty connections that say nothing",
+                  [](T& t) {
+                    std::vector<std::unique_ptr<ByteLine>> idle;
+                    try {
+                      for (int i = 0; i < 50; ++i) {
+                        idle.push_back(t.another());
+                      }
+                    } catch (const Unreachable& refused) {
+                      t.note(std::to_string(idle.size()) + " were let in: " + refused.what());
+                    }
+                    idle.clear();
+                    survives(t, {}, "nothing");
+                  }},
 };
 
 }  // namespace
@@ -92,7 +93,7 @@ constexpr std::array kRows{
 std::vector<ModbusCase> modbus_robustness_cases() {
   std::vector<ModbusCase> all;
   Citations citations("modbus", "");
-  for (const Row& row : kRows) {
+  for (const RobustnessRow& row : kRobustnessRows) {
     ModbusCase& made = all.emplace_back();
     made.identity = citations.next_in("robustness", row.title, "No document: the device goes on");
     made.needs.tcp = row.tcp;

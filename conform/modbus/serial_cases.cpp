@@ -192,7 +192,7 @@ void counts_as_diagnostics(T& trial) {
 
 enum class Document : std::uint8_t { line, application };
 
-struct Row {
+struct SerialRow {
   std::uint8_t function;
   Document document;
   const char* section;
@@ -201,45 +201,48 @@ struct Row {
   void (*run)(T&);
   std::uint8_t and_function = 0;  ///< 0: no other.
 };
-constexpr auto kMust = Strength::must;
 constexpr auto kLine = Document::line;
 constexpr auto kApplication = Document::application;
 
-constexpr std::array kRows{
-    Row{3, kLine, "2.5.1", "A frame with a wrong check is not answered", kMust, wrong_check},
-    Row{3, kLine, "2.5.1", "A frame of fewer than four bytes is not answered", kMust, too_short},
-    Row{3, kLine, "2.5.1", "A frame after noise and a silence is answered", kMust, after_noise},
-    Row{3, kLine, "2.5.1", "Nothing comes behind an answer", kMust, nothing_behind},
-    Row{3, kLine, "2.2", "Another address is not answered", kMust, other_address},
-    Row{3, kLine, "2.2", "A broadcast is not answered", kMust, broadcast},
-    Row{7, kApplication, "6.7", "Exception status is a byte", kMust,
-        [](T& t) {
-          if (const auto data = t.accepts({modbus::kReadExceptionStatus})) {
-            t.expect(data->size() == 1, "one byte", hex_text(*data));
-          }
-        }},
-    Row{8, kApplication, "6.8", "Query data are returned", kMust, repeats_the_query},
-    Row{8, kApplication, "6.8", "A sub-function that there is not is refused", kMust,
+constexpr std::array kSerialRows{
+    SerialRow{3, kLine, "2.5.1", "A frame with a wrong check is not answered", kMust, wrong_check},
+    SerialRow{3, kLine, "2.5.1", "A frame of fewer than four bytes is not answered", kMust,
+              too_short},
+    SerialRow{3, kLine, "2.5.1", "A frame after noise and a silence is answered", kMust,
+              after_noise},
+    SerialRow{3, kLine, "2.5.1", "Nothing comes behind an answer", kMust, nothing_behind},
+    SerialRow{3, kLine, "2.2", "Another address is not answered", kMust, other_address},
+    SerialRow{3, kLine, "2.2", "A broadcast is not answered", kMust, broadcast},
+    SerialRow{7, kApplication, "6.7", "Exception status is a byte", kMust,
+              [](T& t) {
+                if (const auto data = t.accepts({modbus::kReadExceptionStatus})) {
+                  t.expect(data->size() == 1, "one byte", hex_text(*data));
+                }
+              }},
+    SerialRow{8, kApplication, "6.8", "Query data are returned", kMust, repeats_the_query},
+    SerialRow{
+        8, kApplication, "6.8", "A sub-function that there is not is refused", kMust,
         [](T& t) {
           t.refuses(fields_pdu(modbus::kDiagnostics, {0x7FFF, 0}), ExceptionCode::illegal_function);
         }},
-    Row{8, kApplication, "6.8", "Data where there are none is refused", kMust,
-        [](T& t) {
-          t.refuses(fields_pdu(modbus::kDiagnostics,
+    SerialRow{8, kApplication, "6.8", "Data where there are none is refused", kMust,
+              [](T& t) {
+                t.refuses(
+                    fields_pdu(modbus::kDiagnostics,
                                {static_cast<unsigned>(modbus::SubFunction::bus_message_count), 1}),
                     ExceptionCode::illegal_data_value);
-        }},
-    Row{8, kApplication, "6.8", "Messages on the line are counted", kMust, counts_messages},
-    Row{8, kApplication, "6.8", "Wrong checks are counted", kMust, counts_wrong_checks},
-    Row{11, kApplication, "6.9", "Answered requests are counted, exceptions are not", kMust,
-        counts_events},
-    Row{12, kApplication, "6.10", "The log has a status, counts and at most 64 events", kMust,
-        [](T& t) { static_cast<void>(event_log(t)); }},
-    Row{12, kApplication, "6.10", "Its events are of the four types", kMust, known_events},
-    Row{11, kApplication, "6.10", "Its event count is that of function 11", kMust,
-        counts_as_function_11, 12},
-    Row{8, kApplication, "6.10", "Its message count is that of diagnostics", Strength::should,
-        counts_as_diagnostics, 12},
+              }},
+    SerialRow{8, kApplication, "6.8", "Messages on the line are counted", kMust, counts_messages},
+    SerialRow{8, kApplication, "6.8", "Wrong checks are counted", kMust, counts_wrong_checks},
+    SerialRow{11, kApplication, "6.9", "Answered requests are counted, exceptions are not", kMust,
+              counts_events},
+    SerialRow{12, kApplication, "6.10", "The log has a status, counts and at most 64 events", kMust,
+              [](T& t) { static_cast<void>(event_log(t)); }},
+    SerialRow{12, kApplication, "6.10", "Its events are of the four types", kMust, known_events},
+    SerialRow{11, kApplication, "6.10", "Its event count is that of function 11", kMust,
+              counts_as_function_11, 12},
+    SerialRow{8, kApplication, "6.10", "Its message count is that of diagnostics", Strength::should,
+              counts_as_diagnostics, 12},
 };
 
 }  // namespace
@@ -248,7 +251,7 @@ std::vector<ModbusCase> modbus_serial_cases() {
   std::vector<ModbusCase> all;
   Citations line("modbus-rtu", "Modbus over serial line V1.02");
   Citations application("modbus", kApplicationProtocol);
-  for (const Row& row : kRows) {
+  for (const SerialRow& row : kSerialRows) {
     ModbusCase& made = all.emplace_back();
     Citations& citations = row.document == Document::line ? line : application;
     made.identity = citations.next(row.section, row.title, row.strength);

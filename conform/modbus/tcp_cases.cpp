@@ -49,7 +49,7 @@ void protocol_of_answers(T& trial) {
   }
 }
 
-void nothing_behind(T& trial) {
+void nothing_behind_tcp(T& trial) {
   if (trial.ask(trial.any_request())) {
     trial.silent(milliseconds(200), "nothing behind the answer");
   }
@@ -146,36 +146,33 @@ void many_connections(T& trial) {
   }
 }
 
-struct Row {
+struct TcpRow {
   const char* section;
   const char* title;
   Strength strength;
   void (*run)(T&);
 };
-constexpr auto kMust = Strength::must;
-constexpr auto kShould = Strength::should;
-constexpr auto kObserved = Strength::observed;
 
-constexpr std::array kRows{
-    Row{"3.1.3", "Transaction identifiers are repeated", kMust, echoes_transactions},
-    Row{"3.1.3", "The protocol identifier of answers is 0", kMust, protocol_of_answers},
-    Row{"3.1.3", "The length is that of the answer: nothing comes behind it", kMust,
-        nothing_behind},
-    Row{"3.1.3", "An exception has the header of its request", kMust, exception_header},
-    Row{"3.1.3", "A data unit of another protocol is dropped", kMust, foreign_protocol},
-    Row{"3.1.3", "A request is taken in two pieces: header, data unit", kMust,
-        [](T& t) { in_pieces(t, modbus::kMbapHeaderSize); }},
-    Row{"3.1.3", "A request is taken byte by byte", kMust, [](T& t) { in_pieces(t, 1); }},
-    Row{"4.4.2", "Two requests in one segment are both answered", kShould,
-        [](T& t) { together(t, 2); }},
-    Row{"4.4.2", "Sixteen requests in one segment are all answered", kShould,
-        [](T& t) { together(t, 16); }},
-    Row{"4.4.2", "What unit 0 answers", kObserved, [](T& t) { other_unit(t, 0); }},
-    Row{"4.4.2", "What unit 255 answers", kObserved, [](T& t) { other_unit(t, 255); }},
-    Row{"4.4.2", "What a unit answers that is not there", kObserved,
-        [](T& t) { other_unit(t, t.claims().unit == 77 ? 78 : 77); }},
-    Row{"4.2", "A second connection is served beside the first", kShould, second_connection},
-    Row{"4.2", "Twenty connections, one after the other", kMust, many_connections},
+constexpr std::array kTcpRows{
+    TcpRow{"3.1.3", "Transaction identifiers are repeated", kMust, echoes_transactions},
+    TcpRow{"3.1.3", "The protocol identifier of answers is 0", kMust, protocol_of_answers},
+    TcpRow{"3.1.3", "The length is that of the answer: nothing comes behind it", kMust,
+           nothing_behind_tcp},
+    TcpRow{"3.1.3", "An exception has the header of its request", kMust, exception_header},
+    TcpRow{"3.1.3", "A data unit of another protocol is dropped", kMust, foreign_protocol},
+    TcpRow{"3.1.3", "A request is taken in two pieces: header, data unit", kMust,
+           [](T& t) { in_pieces(t, modbus::kMbapHeaderSize); }},
+    TcpRow{"3.1.3", "A request is taken byte by byte", kMust, [](T& t) { in_pieces(t, 1); }},
+    TcpRow{"4.4.2", "Two requests in one segment are both answered", kShould,
+           [](T& t) { together(t, 2); }},
+    TcpRow{"4.4.2", "Sixteen requests in one segment are all answered", kShould,
+           [](T& t) { together(t, 16); }},
+    TcpRow{"4.4.2", "What unit 0 answers", kObserved, [](T& t) { other_unit(t, 0); }},
+    TcpRow{"4.4.2", "What unit 255 answers", kObserved, [](T& t) { other_unit(t, 255); }},
+    TcpRow{"4.4.2", "What a unit answers that is not there", kObserved,
+           [](T& t) { other_unit(t, t.claims().unit == 77 ? 78 : 77); }},
+    TcpRow{"4.2", "A second connection is served beside the first", kShould, second_connection},
+    TcpRow{"4.2", "Twenty connections, one after the other", kMust, many_connections},
 };
 
 }  // namespace
@@ -183,7 +180,7 @@ constexpr std::array kRows{
 std::vector<ModbusCase> modbus_tcp_cases() {
   std::vector<ModbusCase> all;
   Citations citations("modbus-tcp", "Modbus messaging on TCP/IP V1.0b");
-  for (const Row& row : kRows) {
+  for (const TcpRow& row : kTcpRows) {
     ModbusCase& made = all.emplace_back();
     made.identity = citations.next(row.section, row.title, row.strength);
     made.needs.tcp = true;

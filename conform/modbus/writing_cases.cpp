@@ -252,7 +252,7 @@ void write_before_read(T& trial) {
   }
 }
 
-struct Row {
+struct WritingRow {
   std::uint8_t function;
   const char* section;
   const char* title;
@@ -269,145 +269,154 @@ void outside(T& trial, Table table, const std::function<Pdu(unsigned address)>& 
   trial.refuses(request(*address), ExceptionCode::illegal_data_address);
 }
 
-constexpr auto kMust = Strength::must;
-constexpr auto kShould = Strength::should;
-constexpr auto kWrites = Danger::writes;
-
-const std::array kRows{
-    Row{5, "6.5", "A coil is written, and the answer repeats the request", kMust, kWrites,
-        write_one_coil},
-    Row{5, "6.5", "A value beside 0000 and FF00 is refused, and the coil stays", kMust, kWrites,
-        refuse_other_coil_values},
-    Row{5, "6.5", "A coil outside the table is refused", kMust, kWrites,
-        [](T& t) { outside(t, Table::coils, [](unsigned a) {
-                     return fields_pdu(5, {a, 0});
-                   }); }},
-    Row{5, "6.5", "A request that ends within its value is refused", kShould, kWrites,
-        [](T& t) {
-          t.refuses(with(fields_pdu(5, {coil(t)}), {0}), ExceptionCode::illegal_data_value);
-        }},
-    Row{6, "6.6", "A register is written, and the answer repeats the request", kMust, kWrites,
-        write_one_register},
-    Row{6, "6.6", "A register outside the table is refused", kMust, kWrites,
-        [](T& t) {
-          outside(t, Table::holding_registers, [](unsigned a) { return fields_pdu(6, {a, 0}); });
-        }},
-    Row{6, "6.6", "A request that ends within its value is refused, nothing is written", kShould,
-        kWrites,
-        [](T& t) {
-          refused_unwritten(
-              t, [&](const Values&) { return with(fields_pdu(6, {reg(t)}), {0}); },
-              ExceptionCode::illegal_data_value);
-        }},
-    Row{15, "6.11", "Coils are written; the answer has address and quantity", kMust, kWrites,
-        write_some_coils},
-    Row{15, "6.11", "A quantity of 0 is refused", kMust, kWrites,
+const std::array kWritingRows{
+    WritingRow{5, "6.5", "A coil is written, and the answer repeats the request", kMust, kWrites,
+               write_one_coil},
+    WritingRow{5, "6.5", "A value beside 0000 and FF00 is refused, and the coil stays", kMust,
+               kWrites, refuse_other_coil_values},
+    WritingRow{5, "6.5", "A coil outside the table is refused", kMust, kWrites,
+               [](T& t) {
+                 outside(t, Table::coils, [](unsigned a) { return fields_pdu(5, {a, 0}); });
+               }},
+    WritingRow{5, "6.5", "A request that ends within its value is refused", kShould, kWrites,
+               [](T& t) {
+                 t.refuses(with(fields_pdu(5, {coil(t)}), {0}), ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{6, "6.6", "A register is written, and the answer repeats the request", kMust,
+               kWrites, write_one_register},
+    WritingRow{6, "6.6", "A register outside the table is refused", kMust, kWrites,
+               [](T& t) {
+                 outside(t, Table::holding_registers, [](unsigned a) {
+                   return fields_pdu(6, {a, 0});
+                 });
+               }},
+    WritingRow{6, "6.6", "A request that ends within its value is refused, nothing is written",
+               kShould, kWrites,
+               [](T& t) {
+                 refused_unwritten(
+                     t, [&](const Values&) { return with(fields_pdu(6, {reg(t)}), {0}); },
+                     ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{15, "6.11", "Coils are written; the answer has address and quantity", kMust, kWrites,
+               write_some_coils},
+    WritingRow{
+        15, "6.11", "A quantity of 0 is refused", kMust, kWrites,
         [](T& t) {
           t.refuses(with(fields_pdu(15, {coil(t), 0}), {0}), ExceptionCode::illegal_data_value);
         }},
-    Row{15, "6.11", "A quantity above 1968 is refused", kMust, kWrites,
+    WritingRow{
+        15, "6.11", "A quantity above 1968 is refused", kMust, kWrites,
         [](T& t) {
           Pdu request = with(fields_pdu(15, {coil(t), modbus::kWriteCoilsMaximum + 1}), {247});
           request.resize(6 + 247);
           t.refuses(request, ExceptionCode::illegal_data_value);
         }},
-    Row{15, "6.11", "A byte count that does not fit the quantity is refused", kMust, kWrites,
-        [](T& t) {
-          t.refuses(with(fields_pdu(15, {coil(t), 1}), {2, 0, 0}),
-                    ExceptionCode::illegal_data_value);
-        }},
-    Row{15, "6.11", "Coils outside the table are refused", kMust, kWrites,
-        [](T& t) {
-          outside(t, Table::coils, [](unsigned a) { return with(fields_pdu(15, {a, 1}), {1, 0}); });
-        }},
-    Row{15, "6.11", "A request with fewer bytes than it counts is refused", kShould, kWrites,
+    WritingRow{15, "6.11", "A byte count that does not fit the quantity is refused", kMust, kWrites,
+               [](T& t) {
+                 t.refuses(with(fields_pdu(15, {coil(t), 1}), {2, 0, 0}),
+                           ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{15, "6.11", "Coils outside the table are refused", kMust, kWrites,
+               [](T& t) {
+                 outside(t, Table::coils, [](unsigned a) {
+                   return with(fields_pdu(15, {a, 1}), {1, 0});
+                 });
+               }},
+    WritingRow{
+        15, "6.11", "A request with fewer bytes than it counts is refused", kShould, kWrites,
         [](T& t) {
           t.refuses(with(fields_pdu(15, {coil(t), 9}), {2, 0}), ExceptionCode::illegal_data_value);
         }},
-    Row{16, "6.12", "Registers are written; the answer has address and quantity", kMust, kWrites,
-        write_some_registers},
-    Row{16, "6.12", "A quantity of 0 is refused", kMust, kWrites,
-        [](T& t) {
-          t.refuses(write_registers(reg(t), {}, 0, 0), ExceptionCode::illegal_data_value);
-        }},
-    Row{16, "6.12", "A quantity of 124 is refused", kMust, kWrites,
-        [](T& t) {
-          Pdu request = with(fields_pdu(16, {reg(t), 124}), {248});
-          request.resize(modbus::kPduMaximum);
-          t.refuses(request, ExceptionCode::illegal_data_value);
-        }},
-    Row{16, "6.12", "A byte count that is not twice the quantity is refused, nothing is written",
-        kMust, kWrites,
-        [](T& t) {
-          refused_unwritten(
-              t, [&](const Values& turned) { return write_registers(reg(t), turned, 1, 3); },
-              ExceptionCode::illegal_data_value);
-        }},
-    Row{16, "6.12", "Registers outside the table are refused", kMust, kWrites,
-        [](T& t) {
-          outside(t, Table::holding_registers, [](unsigned a) { return write_registers(a, {0}); });
-        }},
-    Row{16, "6.12", "A range that ends outside the table is refused, nothing of it is written",
-        kMust, kWrites, partly_outside},
-    Row{16, "6.12", "A request with fewer bytes than it counts is refused, nothing is written",
-        kShould, kWrites,
-        [](T& t) {
-          refused_unwritten(
-              t,
-              [&](const Values& turned) {
-                return with(fields_pdu(16, {reg(t), 1}),
-                            {2, static_cast<unsigned>(turned.front() >> 8U)});
-              },
-              ExceptionCode::illegal_data_value);
-        }},
-    Row{22, "6.16", "Bits are set and cleared by the formula; the answer repeats the request",
-        kMust, kWrites, mask},
-    Row{22, "6.16", "A register outside the table is refused", kMust, kWrites,
-        [](T& t) {
-          outside(t, Table::holding_registers, [](unsigned a) {
-            return fields_pdu(22, {a, 0xFFFF, 0});
-          });
-        }},
-    Row{22, "6.16", "A request that ends within its masks is refused", kShould, kWrites,
-        [](T& t) {
-          t.refuses(fields_pdu(22, {reg(t), 0xFFFF}), ExceptionCode::illegal_data_value);
-        }},
-    Row{23, "6.17", "What is written is read by the same request", kMust, kWrites,
-        write_before_read},
-    Row{23, "6.17", "Reading none is refused, nothing is written", kMust, kWrites,
-        [](T& t) {
-          refused_unwritten(
-              t, [&](const Values& v) { return read_write(reg(t), 0, v, 1, 2); },
-              ExceptionCode::illegal_data_value);
-        }},
-    Row{23, "6.17", "Reading 126 is refused, nothing is written", kMust, kWrites,
-        [](T& t) {
-          refused_unwritten(
-              t, [&](const Values& v) { return read_write(reg(t), 126, v, 1, 2); },
-              ExceptionCode::illegal_data_value);
-        }},
-    Row{23, "6.17", "Writing none is refused", kMust, kWrites,
-        [](T& t) {
-          t.refuses(read_write(reg(t), 1, {}, 0, 0), ExceptionCode::illegal_data_value);
-        }},
-    Row{23, "6.17", "Writing 122 is refused", kMust, kWrites,
-        [](T& t) {
-          Pdu request = read_write(reg(t), 1, {}, 122, 244);
-          request.resize(modbus::kPduMaximum);
-          t.refuses(request, ExceptionCode::illegal_data_value);
-        }},
-    Row{23, "6.17", "A byte count that is not twice the quantity is refused, nothing is written",
-        kMust, kWrites,
-        [](T& t) {
-          refused_unwritten(
-              t, [&](const Values& v) { return read_write(reg(t), 1, v, 1, 4); },
-              ExceptionCode::illegal_data_value);
-        }},
-    Row{23, "6.17", "Registers outside the table are refused", kMust, kWrites,
-        [](T& t) {
-          outside(t, Table::holding_registers,
-                  [](unsigned a) { return read_write(a, 1, {0}, 1, 2); });
-        }},
+    WritingRow{16, "6.12", "Registers are written; the answer has address and quantity", kMust,
+               kWrites, write_some_registers},
+    WritingRow{16, "6.12", "A quantity of 0 is refused", kMust, kWrites,
+               [](T& t) {
+                 t.refuses(write_registers(reg(t), {}, 0, 0), ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{16, "6.12", "A quantity of 124 is refused", kMust, kWrites,
+               [](T& t) {
+                 Pdu request = with(fields_pdu(16, {reg(t), 124}), {248});
+                 request.resize(modbus::kPduMaximum);
+                 t.refuses(request, ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{16, "6.12",
+               "A byte count that is not twice the quantity is refused, nothing is written", kMust,
+               kWrites,
+               [](T& t) {
+                 refused_unwritten(
+                     t, [&](const Values& turned) { return write_registers(reg(t), turned, 1, 3); },
+                     ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{16, "6.12", "Registers outside the table are refused", kMust, kWrites,
+               [](T& t) {
+                 outside(t, Table::holding_registers,
+                         [](unsigned a) { return write_registers(a, {0}); });
+               }},
+    WritingRow{16, "6.12",
+               "A range that ends outside the table is refused, nothing of it is written", kMust,
+               kWrites, partly_outside},
+    WritingRow{16, "6.12",
+               "A request with fewer bytes than it counts is refused, nothing is written", kShould,
+               kWrites,
+               [](T& t) {
+                 refused_unwritten(
+                     t,
+                     [&](const Values& turned) {
+                       return with(fields_pdu(16, {reg(t), 1}),
+                                   {2, static_cast<unsigned>(turned.front() >> 8U)});
+                     },
+                     ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{22, "6.16",
+               "Bits are set and cleared by the formula; the answer repeats the request", kMust,
+               kWrites, mask},
+    WritingRow{22, "6.16", "A register outside the table is refused", kMust, kWrites,
+               [](T& t) {
+                 outside(t, Table::holding_registers, [](unsigned a) {
+                   return fields_pdu(22, {a, 0xFFFF, 0});
+                 });
+               }},
+    WritingRow{22, "6.16", "A request that ends within its masks is refused", kShould, kWrites,
+               [](T& t) {
+                 t.refuses(fields_pdu(22, {reg(t), 0xFFFF}), ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{23, "6.17", "What is written is read by the same request", kMust, kWrites,
+               write_before_read},
+    WritingRow{23, "6.17", "Reading none is refused, nothing is written", kMust, kWrites,
+               [](T& t) {
+                 refused_unwritten(
+                     t, [&](const Values& v) { return read_write(reg(t), 0, v, 1, 2); },
+                     ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{23, "6.17", "Reading 126 is refused, nothing is written", kMust, kWrites,
+               [](T& t) {
+                 refused_unwritten(
+                     t, [&](const Values& v) { return read_write(reg(t), 126, v, 1, 2); },
+                     ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{23, "6.17", "Writing none is refused", kMust, kWrites,
+               [](T& t) {
+                 t.refuses(read_write(reg(t), 1, {}, 0, 0), ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{23, "6.17", "Writing 122 is refused", kMust, kWrites,
+               [](T& t) {
+                 Pdu request = read_write(reg(t), 1, {}, 122, 244);
+                 request.resize(modbus::kPduMaximum);
+                 t.refuses(request, ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{23, "6.17",
+               "A byte count that is not twice the quantity is refused, nothing is written", kMust,
+               kWrites,
+               [](T& t) {
+                 refused_unwritten(
+                     t, [&](const Values& v) { return read_write(reg(t), 1, v, 1, 4); },
+                     ExceptionCode::illegal_data_value);
+               }},
+    WritingRow{23, "6.17", "Registers outside the table are refused", kMust, kWrites,
+               [](T& t) {
+                 outside(t, Table::holding_registers,
+                         [](unsigned a) { return read_write(a, 1, {0}, 1, 2); });
+               }},
 };
 
 struct Written {
@@ -428,7 +437,7 @@ std::vector<ModbusCase> modbus_writing_cases() {
                                        {22, "6.16", fields_pdu(22, {0, 0xFFFF, 0})},
                                        {23, "6.17", read_write(0, 1, {0}, 1, 2)}}};
   for (const Written& function : absent) {
-    for (const Row& row : kRows) {
+    for (const WritingRow& row : kWritingRows) {
       if (row.function != function.function) {
         continue;
       }

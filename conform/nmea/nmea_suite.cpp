@@ -632,9 +632,6 @@ struct Row {
   Strength strength;
   void (*run)(Trial&, const Log&, const Claims&);
 };
-constexpr auto kMust = Strength::must;
-constexpr auto kShould = Strength::should;
-constexpr auto kObserved = Strength::observed;
 
 constexpr std::array kRows{
     Row{"sentence", "31.1.1", "A sentence ends with CR and LF", kMust, ends},

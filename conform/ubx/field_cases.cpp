@@ -93,9 +93,9 @@ bool near(double a, double b, double tolerance) {
 }
 
 void dilutions(T& trial, const P& p) {
-  constexpr double kNone = 9999;
+  constexpr double kNoDilution = 9999;
   const auto at = [&](std::string_view field) { return p.value(field); };
-  if (at("pDOP") >= kNone || at("tDOP") >= kNone) {
+  if (at("pDOP") >= kNoDilution || at("tDOP") >= kNoDilution) {
     return trial.not_applicable("no dilutions without a fix");
   }
   // Each is rounded to a hundredth.
@@ -227,139 +227,139 @@ void time_of_week(T& trial, const P& p) {
   within(trial, p, "week", 1024, 8191);
 }
 
-struct Row {
+struct FieldRow {
   const char* message;
   const char* title;
   Strength strength;
   void (*run)(T&, const P&);
 };
-constexpr auto kMust = Strength::must;
 
-const std::array kRows{
-    Row{"MON-VER", "Versions are texts with zeros behind", kMust, versions},
-    Row{"MON-VER", "The protocol's version is among the extensions", kMust, protocol_version},
-    Row{"MON-VER", "What it calls itself", Strength::observed,
-        [](T& t, const P& p) { t.observe(p.words()); }},
-    Row{"MON-HW", "The antenna's state and power, and the gain, are such", kMust, hardware},
-    Row{"MON-RXBUF", "Usages are shares", kMust, usages},
-    Row{"MON-TXBUF", "Usages are shares", kMust, usages},
-    Row{"MON-GNSS", "What is enabled is supported", kMust,
-        [](T& t, const P& p) {
-          t.expect((static_cast<unsigned>(p.value("enabled")) &
-                    ~static_cast<unsigned>(p.value("supported"))) == 0,
-                   "no system that is not supported", p.words());
-        }},
-    Row{"MON-RF", "The antenna's state is such", kMust,
-        [](T& t, const P& p) {
-          blocks_within(t, p, "antStatus", 0, 4);
-          blocks_within(t, p, "antPower", 0, 2);
-          blocks_within(t, p, "agcCnt", 0, 8191);
-        }},
-    Row{"MON-COMMS", "Usages are shares", kMust,
-        [](T& t, const P& p) {
-          blocks_within(t, p, "txUsage", 0, 100);
-          blocks_within(t, p, "rxUsage", 0, 100);
-        }},
-    Row{"SEC-UNIQID", "The number is not nothing", kMust,
-        [](T& t, const P& p) {
-          t.expect(p.value("version") == 1, "version 1", p.words());
-          const auto number = std::span(p.bytes()).subspan(4);
-          t.expect(std::ranges::any_of(number, [](std::uint8_t b) { return b != 0; }), "a number",
-                   p.words());
-        }},
-    Row{"NAV-PVT", "The place is on the earth", kMust, place},
-    Row{"NAV-POSLLH", "The place is on the earth", kMust, place},
-    Row{"NAV-PVT", "Date and time are such", kMust,
-        [](T& t, const P& p) {
-          if (p.bits("valid", 0, 2) != 3) {
-            return t.not_applicable("date or time is not valid");
-          }
-          civil_time(t, p);
-        }},
-    Row{"NAV-TIMEUTC", "Date and time are such", kMust,
-        [](T& t, const P& p) {
-          if (p.bits("valid", 2) == 0) {
-            return t.not_applicable("the time is not valid");
-          }
-          civil_time(t, p);
-        }},
-    Row{"NAV-PVT", "The kind of fix is one that there is", kMust,
-        [](T& t, const P& p) { within(t, p, "fixType", 0, 5); }},
-    Row{"NAV-PVT", "A fix that is good has a kind", kMust,
-        [](T& t, const P& p) {
-          t.expect(p.bits("flags", 0) == 0 || p.value("fixType") > 0, "a kind with gnssFixOK",
-                   p.words());
-        }},
-    Row{"NAV-PVT", "The speed over ground is of the velocity", kMust, ground_speed},
-    Row{"NAV-PVT", "The course is of the velocity", kMust,
-        [](T& t, const P& p) { heading(t, p, "headMot"); }},
-    Row{"NAV-VELNED", "The speeds are of the velocity", kMust, speed_in_space},
-    Row{"NAV-VELNED", "The course is of the velocity", kMust,
-        [](T& t, const P& p) { heading(t, p, "heading"); }},
-    Row{"NAV-DOP", "Dilutions belong together", kMust, dilutions},
-    Row{"NAV-STATUS", "The times since the start are such", kMust, times_since},
-    Row{"NAV-TIMEGPS", "Week and time of week are such", kMust, time_of_week},
-    Row{"NAV-TIMEGPS", "The leap seconds are those since 2017 (IERS Bulletin C)", Strength::should,
-        [](T& t, const P& p) {
-          if (p.bits("valid", 2) == 0) {
-            return t.not_applicable("leapS is not valid");
-          }
-          t.expect(p.value("leapS") == 18, "18 s", p.words());
-        }},
-    Row{"NAV-CLOCK", "The bias is within the receiver's millisecond", Strength::should,
-        [](T& t, const P& p) { within(t, p, "clkB", -1'000'000, 1'000'000); }},
-    Row{"NAV-SVINFO", "Elevations, azimuths and strengths are such", kMust, satellites},
-    Row{"NAV-SAT", "Elevations, azimuths and strengths are such", kMust, satellites},
-    Row{"NAV-SAT", "The version is 1, and systems are such", kMust,
-        [](T& t, const P& p) {
-          within(t, p, "version", 1, 1);
-          blocks_within(t, p, "gnssId", 0, 7);
-        }},
-    Row{"NAV-SAT", "Each satellite is there once", kMust, satellites_once},
-    Row{"NAV-SAT", "What is used is tracked", kMust, used_are_tracked},
-    Row{"NAV-SIG", "The version is 0, and systems are such", kMust,
-        [](T& t, const P& p) {
-          within(t, p, "version", 0, 0);
-          blocks_within(t, p, "gnssId", 0, 7);
-          blocks_within(t, p, "qualityInd", 0, 7);
-        }},
-    Row{"NAV-ORB", "The version is 1, each satellite there once", kMust,
-        [](T& t, const P& p) {
-          within(t, p, "version", 1, 1);
-          satellites_once(t, p);
-        }},
-    Row{"NAV-HPPOSLLH", "The fine parts are below a step of the coarse", kMust,
-        [](T& t, const P& p) {
-          fine_parts(t, p, {"lonHp", "latHp"}, 99);
-          fine_parts(t, p, {"heightHp", "hMSLHp"}, 9);
-        }},
-    Row{"NAV-HPPOSECEF", "The fine parts are below a step of the coarse", kMust,
-        [](T& t, const P& p) {
-          fine_parts(t, p, {"ecefXHp", "ecefYHp", "ecefZHp"}, 99);
-        }},
-    Row{"NAV-COV", "Variances and covariances are such", kMust, variances},
-    Row{"NAV-ODO", "Distances are such", kMust, distances},
-    Row{"NAV-SVIN", "Flags are flags", kMust,
-        [](T& t, const P& p) {
-          within(t, p, "valid", 0, 1);
-          within(t, p, "active", 0, 1);
-        }},
-    Row{"NAV-RELPOSNED", "The version is 1, the fine parts are below a step", kMust,
-        [](T& t, const P& p) {
-          within(t, p, "version", 1, 1);
-          fine_parts(t, p, {"relPosHPN", "relPosHPE", "relPosHPD", "relPosHPLength"}, 99);
-        }},
-    Row{"RXM-RAWX", "Pseudoranges and lock times are such", kMust, pseudoranges},
-    Row{"RXM-RAW", "Pseudoranges are such", kMust, pseudoranges},
-    Row{"TIM-TP", "The next pulse is within a week", kMust,
-        [](T& t, const P& p) { within(t, p, "towMS", 0, 604'800'000); }},
+const std::array kFieldRows{
+    FieldRow{"MON-VER", "Versions are texts with zeros behind", kMust, versions},
+    FieldRow{"MON-VER", "The protocol's version is among the extensions", kMust, protocol_version},
+    FieldRow{"MON-VER", "What it calls itself", Strength::observed,
+             [](T& t, const P& p) { t.observe(p.words()); }},
+    FieldRow{"MON-HW", "The antenna's state and power, and the gain, are such", kMust, hardware},
+    FieldRow{"MON-RXBUF", "Usages are shares", kMust, usages},
+    FieldRow{"MON-TXBUF", "Usages are shares", kMust, usages},
+    FieldRow{"MON-GNSS", "What is enabled is supported", kMust,
+             [](T& t, const P& p) {
+               t.expect((static_cast<unsigned>(p.value("enabled")) &
+                         ~static_cast<unsigned>(p.value("supported"))) == 0,
+                        "no system that is not supported", p.words());
+             }},
+    FieldRow{"MON-RF", "The antenna's state is such", kMust,
+             [](T& t, const P& p) {
+               blocks_within(t, p, "antStatus", 0, 4);
+               blocks_within(t, p, "antPower", 0, 2);
+               blocks_within(t, p, "agcCnt", 0, 8191);
+             }},
+    FieldRow{"MON-COMMS", "Usages are shares", kMust,
+             [](T& t, const P& p) {
+               blocks_within(t, p, "txUsage", 0, 100);
+               blocks_within(t, p, "rxUsage", 0, 100);
+             }},
+    FieldRow{"SEC-UNIQID", "The number is not nothing", kMust,
+             [](T& t, const P& p) {
+               t.expect(p.value("version") == 1, "version 1", p.words());
+               const auto number = std::span(p.bytes()).subspan(4);
+               t.expect(std::ranges::any_of(number, [](std::uint8_t b) { return b != 0; }),
+                        "a number", p.words());
+             }},
+    FieldRow{"NAV-PVT", "The place is on the earth", kMust, place},
+    FieldRow{"NAV-POSLLH", "The place is on the earth", kMust, place},
+    FieldRow{"NAV-PVT", "Date and time are such", kMust,
+             [](T& t, const P& p) {
+               if (p.bits("valid", 0, 2) != 3) {
+                 return t.not_applicable("date or time is not valid");
+               }
+               civil_time(t, p);
+             }},
+    FieldRow{"NAV-TIMEUTC", "Date and time are such", kMust,
+             [](T& t, const P& p) {
+               if (p.bits("valid", 2) == 0) {
+                 return t.not_applicable("the time is not valid");
+               }
+               civil_time(t, p);
+             }},
+    FieldRow{"NAV-PVT", "The kind of fix is one that there is", kMust,
+             [](T& t, const P& p) { within(t, p, "fixType", 0, 5); }},
+    FieldRow{"NAV-PVT", "A fix that is good has a kind", kMust,
+             [](T& t, const P& p) {
+               t.expect(p.bits("flags", 0) == 0 || p.value("fixType") > 0, "a kind with gnssFixOK",
+                        p.words());
+             }},
+    FieldRow{"NAV-PVT", "The speed over ground is of the velocity", kMust, ground_speed},
+    FieldRow{"NAV-PVT", "The course is of the velocity", kMust,
+             [](T& t, const P& p) { heading(t, p, "headMot"); }},
+    FieldRow{"NAV-VELNED", "The speeds are of the velocity", kMust, speed_in_space},
+    FieldRow{"NAV-VELNED", "The course is of the velocity", kMust,
+             [](T& t, const P& p) { heading(t, p, "heading"); }},
+    FieldRow{"NAV-DOP", "Dilutions belong together", kMust, dilutions},
+    FieldRow{"NAV-STATUS", "The times since the start are such", kMust, times_since},
+    FieldRow{"NAV-TIMEGPS", "Week and time of week are such", kMust, time_of_week},
+    FieldRow{"NAV-TIMEGPS", "The leap seconds are those since 2017 (IERS Bulletin C)",
+             Strength::should,
+             [](T& t, const P& p) {
+               if (p.bits("valid", 2) == 0) {
+                 return t.not_applicable("leapS is not valid");
+               }
+               t.expect(p.value("leapS") == 18, "18 s", p.words());
+             }},
+    FieldRow{"NAV-CLOCK", "The bias is within the receiver's millisecond", Strength::should,
+             [](T& t, const P& p) { within(t, p, "clkB", -1'000'000, 1'000'000); }},
+    FieldRow{"NAV-SVINFO", "Elevations, azimuths and strengths are such", kMust, satellites},
+    FieldRow{"NAV-SAT", "Elevations, azimuths and strengths are such", kMust, satellites},
+    FieldRow{"NAV-SAT", "The version is 1, and systems are such", kMust,
+             [](T& t, const P& p) {
+               within(t, p, "version", 1, 1);
+               blocks_within(t, p, "gnssId", 0, 7);
+             }},
+    FieldRow{"NAV-SAT", "Each satellite is there once", kMust, satellites_once},
+    FieldRow{"NAV-SAT", "What is used is tracked", kMust, used_are_tracked},
+    FieldRow{"NAV-SIG", "The version is 0, and systems are such", kMust,
+             [](T& t, const P& p) {
+               within(t, p, "version", 0, 0);
+               blocks_within(t, p, "gnssId", 0, 7);
+               blocks_within(t, p, "qualityInd", 0, 7);
+             }},
+    FieldRow{"NAV-ORB", "The version is 1, each satellite there once", kMust,
+             [](T& t, const P& p) {
+               within(t, p, "version", 1, 1);
+               satellites_once(t, p);
+             }},
+    FieldRow{"NAV-HPPOSLLH", "The fine parts are below a step of the coarse", kMust,
+             [](T& t, const P& p) {
+               fine_parts(t, p, {"lonHp", "latHp"}, 99);
+               fine_parts(t, p, {"heightHp", "hMSLHp"}, 9);
+             }},
+    FieldRow{"NAV-HPPOSECEF", "The fine parts are below a step of the coarse", kMust,
+             [](T& t, const P& p) {
+               fine_parts(t, p, {"ecefXHp", "ecefYHp", "ecefZHp"}, 99);
+             }},
+    FieldRow{"NAV-COV", "Variances and covariances are such", kMust, variances},
+    FieldRow{"NAV-ODO", "Distances are such", kMust, distances},
+    FieldRow{"NAV-SVIN", "Flags are flags", kMust,
+             [](T& t, const P& p) {
+               within(t, p, "valid", 0, 1);
+               within(t, p, "active", 0, 1);
+             }},
+    FieldRow{"NAV-RELPOSNED", "The version is 1, the fine parts are below a step", kMust,
+             [](T& t, const P& p) {
+               within(t, p, "version", 1, 1);
+               fine_parts(t, p, {"relPosHPN", "relPosHPE", "relPosHPD", "relPosHPLength"}, 99);
+             }},
+    FieldRow{"RXM-RAWX", "Pseudoranges and lock times are such", kMust, pseudoranges},
+    FieldRow{"RXM-RAW", "Pseudoranges are such", kMust, pseudoranges},
+    FieldRow{"TIM-TP", "The next pulse is within a week", kMust,
+             [](T& t, const P& p) { within(t, p, "towMS", 0, 604'800'000); }},
 };
 
 }  // namespace
 
 std::vector<UbxCase> ubx_field_cases(UbxCitations& citations) {
   std::vector<UbxCase> all;
-  for (const Row& row : kRows) {
+  for (const FieldRow& row : kFieldRows) {
     const UbxMessage& message = *ubx_message(row.message);
     UbxCase& made = all.emplace_back();
     made.identity =

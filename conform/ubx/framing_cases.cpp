@@ -158,69 +158,69 @@ void answers_in_time(T& trial) {
                "99 of 100 answers within " + in_ms(trial.claims().answer_within), in_ms(late));
 }
 
-struct Row {
+struct FramingRow {
   const char* section;
   const char* title;
   Strength strength;
   void (*run)(T&);
   bool rate = false;  ///< Needs CFG-RATE.
 };
-constexpr auto kMust = Strength::must;
 
-const std::array kRows{
-    Row{"32.2", "A poll of MON-VER is answered once", kMust, answered_once},
-    Row{"32.2", "A frame is taken in two pieces", kMust, [](T& t) { in_pieces(t, 6); }},
-    Row{"32.2", "A frame is taken byte by byte", kMust, [](T& t) { in_pieces(t, 1); }},
-    Row{"32.2", "A frame behind zeros is taken", kMust,
-        [](T& t) { answered(t, UbxBytes(20, 0), "twenty zeros"); }},
-    Row{"32.2", "A frame behind a first synchronization character is taken", kMust,
-        [](T& t) { answered(t, {ubx::kSync1}, "B5 alone"); }},
-    Row{"32.2", "A frame behind half a sentence is taken", kMust,
-        [](T& t) {
-          answered(t, {'$', 'G', 'P', 'G', 'G', 'A', ',', '\r', '\n'}, "half a sentence");
-        }},
-    Row{"32.2", "Without the second synchronization character there is no frame", kMust,
-        [](T& t) { t.ignores(spoiled(1, 0x01), "B5 63 in place of B5 62"); }},
-    Row{"32.4", "A frame with a wrong CK_A is not answered", kMust,
-        [](T& t) { wrong_check(t, ubx::kHeaderBytes); }},
-    Row{"32.4", "A frame with a wrong CK_B is not answered", kMust,
-        [](T& t) { wrong_check(t, ubx::kHeaderBytes + 1); }},
-    Row{"32.4", "The check covers the class", kMust,
+const std::array kFramingRows{
+    FramingRow{"32.2", "A poll of MON-VER is answered once", kMust, answered_once},
+    FramingRow{"32.2", "A frame is taken in two pieces", kMust, [](T& t) { in_pieces(t, 6); }},
+    FramingRow{"32.2", "A frame is taken byte by byte", kMust, [](T& t) { in_pieces(t, 1); }},
+    FramingRow{"32.2", "A frame behind zeros is taken", kMust,
+               [](T& t) { answered(t, UbxBytes(20, 0), "twenty zeros"); }},
+    FramingRow{"32.2", "A frame behind a first synchronization character is taken", kMust,
+               [](T& t) { answered(t, {ubx::kSync1}, "B5 alone"); }},
+    FramingRow{"32.2", "A frame behind half a sentence is taken", kMust,
+               [](T& t) {
+                 answered(t, {'$', 'G', 'P', 'G', 'G', 'A', ',', '\r', '\n'}, "half a sentence");
+               }},
+    FramingRow{"32.2", "Without the second synchronization character there is no frame", kMust,
+               [](T& t) { t.ignores(spoiled(1, 0x01), "B5 63 in place of B5 62"); }},
+    FramingRow{"32.4", "A frame with a wrong CK_A is not answered", kMust,
+               [](T& t) { wrong_check(t, ubx::kHeaderBytes); }},
+    FramingRow{"32.4", "A frame with a wrong CK_B is not answered", kMust,
+               [](T& t) { wrong_check(t, ubx::kHeaderBytes + 1); }},
+    FramingRow{
+        "32.4", "The check covers the class", kMust,
         [](T& t) { t.ignores(spoiled(2, 0x0B), "NAV-TIMEGPS' class with MON-VER's check"); }},
-    Row{"32.4", "The check covers the length", kMust,
-        [](T& t) {
-          UbxBytes frame = T::framed(kVersion, {});
-          frame[4] = 1;
-          frame.insert(frame.begin() + ubx::kHeaderBytes, 0);
-          t.ignores(frame, "a length of 1 with the check of 0");
-        }},
-    Row{"32.4", "A setting with a wrong check is neither acknowledged nor refused", kMust,
-        [](T& t) {
-          UbxBytes frame = T::framed(kUnknownSetting, {0});
-          frame.back() = static_cast<std::uint8_t>(frame.back() ^ 0x80U);
-          t.ignores(frame, "a setting with a wrong check");
-        }},
-    Row{"32.5.1", "A poll of a setting is answered by it and one acknowledgement", kMust,
-        poll_of_setting, true},
-    Row{"32.5.1", "Settings polled at once are answered in their order", kMust, several_settings,
-        true},
-    Row{"32.5.1", "A poll of a setting that there is not is refused once", kMust,
-        [](T& t) { unknown_setting(t, {}); }},
-    Row{"32.5.1", "A setting that there is not is refused once", kMust,
-        [](T& t) { unknown_setting(t, UbxBytes(8, 0)); }},
-    Row{"32.5.1", "Polls of class MON are not acknowledged", kMust, not_acknowledged},
-    Row{"32.5.2", "A poll of a class that there is not is not answered", kMust,
-        [](T& t) {
-          t.ignores(T::framed({0x7D, 0x01}, {}), "a poll of class 7D");
-        }},
-    Row{"32.5.2", "99 of 100 answers come within what is claimed", kMust, answers_in_time},
+    FramingRow{"32.4", "The check covers the length", kMust,
+               [](T& t) {
+                 UbxBytes frame = T::framed(kVersion, {});
+                 frame[4] = 1;
+                 frame.insert(frame.begin() + ubx::kHeaderBytes, 0);
+                 t.ignores(frame, "a length of 1 with the check of 0");
+               }},
+    FramingRow{"32.4", "A setting with a wrong check is neither acknowledged nor refused", kMust,
+               [](T& t) {
+                 UbxBytes frame = T::framed(kUnknownSetting, {0});
+                 frame.back() = static_cast<std::uint8_t>(frame.back() ^ 0x80U);
+                 t.ignores(frame, "a setting with a wrong check");
+               }},
+    FramingRow{"32.5.1", "A poll of a setting is answered by it and one acknowledgement", kMust,
+               poll_of_setting, true},
+    FramingRow{"32.5.1", "Settings polled at once are answered in their order", kMust,
+               several_settings, true},
+    FramingRow{"32.5.1", "A poll of a setting that there is not is refused once", kMust,
+               [](T& t) { unknown_setting(t, {}); }},
+    FramingRow{"32.5.1", "A setting that there is not is refused once", kMust,
+               [](T& t) { unknown_setting(t, UbxBytes(8, 0)); }},
+    FramingRow{"32.5.1", "Polls of class MON are not acknowledged", kMust, not_acknowledged},
+    FramingRow{"32.5.2", "A poll of a class that there is not is not answered", kMust,
+               [](T& t) {
+                 t.ignores(T::framed({0x7D, 0x01}, {}), "a poll of class 7D");
+               }},
+    FramingRow{"32.5.2", "99 of 100 answers come within what is claimed", kMust, answers_in_time},
 };
 
 }  // namespace
 
 std::vector<UbxCase> ubx_framing_cases(UbxCitations& citations) {
   std::vector<UbxCase> all;
-  for (const Row& row : kRows) {
+  for (const FramingRow& row : kFramingRows) {
     UbxCase& made = all.emplace_back();
     made.identity = citations.m8.next(row.section, row.title, row.strength);
     if (row.rate) {

@@ -169,135 +169,134 @@ void refused(T& trial, const std::function<UbxBytes(const UbxBytes& period)>& ma
   }
 }
 
-struct Row {
+struct ItemRow {
   const char* section;
   const char* title;
   Strength strength;
   Danger danger;
   void (*run)(T&);
 };
-constexpr auto kMust = Strength::must;
-constexpr auto kNone = Danger::none;
-constexpr auto kWrites = Danger::writes;
 
-const std::array kRows{
-    Row{"3.10.24", "An item of RAM is read", kMust, kNone,
-        [](T& t) { static_cast<void>(item(t, kRam, kPeriod)); }},
-    Row{"3.10.24", "An item's default is read", kMust, kNone,
-        [](T& t) { static_cast<void>(item(t, kDefaults, kPeriod)); }},
-    Row{"3.10.24", "An item is what the message says", kMust, kNone, same_as_message},
-    Row{"3.10.24", "Several items come in the order of their keys", kMust, kNone,
-        [](T& t) {
-          several(t, {kReference, kPeriod, kRatio, kElevation});
-        }},
-    Row{"3.10.24", "An item asked for twice comes twice", kMust, kNone,
-        [](T& t) {
-          several(t, {kPeriod, kPeriod});
-        }},
-    Row{"3.10.24", "All items of a group, and those behind a position", kMust, kNone,
-        [](T& t) { whole_group(t, kPeriod & 0x0FFF'0000U); }},
-    Row{"3.10.24", "A key that there is not is refused", kMust, kNone,
-        [](T& t) { t.refuses(kGet, request(kRam, 0, {kUnknown})); }},
-    Row{"3.10.24", "A key that there is not among others is refused", kMust, kNone,
-        [](T& t) {
-          t.refuses(kGet, request(kRam, 0, {kPeriod, kUnknown}));
-        }},
-    Row{"3.10.24", "A layer that there is not is refused", kMust, kNone,
-        [](T& t) { t.refuses(kGet, request(5, 0, {kPeriod})); }},
-    Row{"3.10.24", "64 keys are answered", kMust, kNone,
-        [](T& t) { several(t, std::vector<std::uint32_t>(64, kPeriod)); }},
-    Row{"3.10.24", "65 keys are refused", kMust, kNone,
+const std::array kItemRows{
+    ItemRow{"3.10.24", "An item of RAM is read", kMust, kNone,
+            [](T& t) { static_cast<void>(item(t, kRam, kPeriod)); }},
+    ItemRow{"3.10.24", "An item's default is read", kMust, kNone,
+            [](T& t) { static_cast<void>(item(t, kDefaults, kPeriod)); }},
+    ItemRow{"3.10.24", "An item is what the message says", kMust, kNone, same_as_message},
+    ItemRow{"3.10.24", "Several items come in the order of their keys", kMust, kNone,
+            [](T& t) {
+              several(t, {kReference, kPeriod, kRatio, kElevation});
+            }},
+    ItemRow{"3.10.24", "An item asked for twice comes twice", kMust, kNone,
+            [](T& t) {
+              several(t, {kPeriod, kPeriod});
+            }},
+    ItemRow{"3.10.24", "All items of a group, and those behind a position", kMust, kNone,
+            [](T& t) { whole_group(t, kPeriod & 0x0FFF'0000U); }},
+    ItemRow{"3.10.24", "A key that there is not is refused", kMust, kNone,
+            [](T& t) { t.refuses(kGet, request(kRam, 0, {kUnknown})); }},
+    ItemRow{"3.10.24", "A key that there is not among others is refused", kMust, kNone,
+            [](T& t) {
+              t.refuses(kGet, request(kRam, 0, {kPeriod, kUnknown}));
+            }},
+    ItemRow{"3.10.24", "A layer that there is not is refused", kMust, kNone,
+            [](T& t) { t.refuses(kGet, request(5, 0, {kPeriod})); }},
+    ItemRow{"3.10.24", "64 keys are answered", kMust, kNone,
+            [](T& t) { several(t, std::vector<std::uint32_t>(64, kPeriod)); }},
+    ItemRow{
+        "3.10.24", "65 keys are refused", kMust, kNone,
         [](T& t) { t.refuses(kGet, request(kRam, 0, std::vector<std::uint32_t>(65, kPeriod))); }},
-    Row{"3.10.24", "A request that ends within a key is refused", kMust, kNone,
-        [](T& t) {
-          t.refuses(kGet, UbxBytes{0, 0, 0, 0, 0x01, 0x00});
-        }},
-    Row{"3.10.25", "An item of RAM is set and read back", kMust, kWrites,
-        [](T& t) {
-          changed(t, [](T& trial, std::uint64_t other) {
-            return trial.accepts("CFG-VALSET",
-                                 setting(kToRam, u4(kPeriod) + u2(static_cast<unsigned>(other))));
-          });
-        }},
-    Row{"3.10.25", "What is set by CFG-RATE is read as an item", kMust, kWrites,
-        [](T& t) {
-          changed(t, [](T& trial, std::uint64_t other) {
-            const auto now = trial.poll("CFG-RATE");
-            UbxBytes bytes = now ? now->bytes() : UbxBytes();
-            if (!now) {
-              return false;
-            }
-            bytes[0] = static_cast<std::uint8_t>(other);
-            bytes[1] = static_cast<std::uint8_t>(other >> 8U);
-            return trial.accepts("CFG-RATE", bytes);
-          });
-        }},
-    Row{"3.10.25", "A transaction acts at its end", kMust, kWrites,
-        [](T& t) {
-          changed(t, [](T& trial, std::uint64_t other) {
-            const UbxBytes period = u4(kPeriod) + u2(static_cast<unsigned>(other));
-            return trial.accepts("CFG-VALSET", setting(kToRam, {}, 1)) &&
-                   trial.accepts("CFG-VALSET", setting(kToRam, period, 2)) &&
-                   trial.accepts("CFG-VALSET", setting(kToRam, {}, 3));
-          });
-        }},
-    Row{"3.10.25", "Another request cancels a transaction, nothing of it is set", kMust, kWrites,
-        [](T& t) {
-          refused(t, [&](const UbxBytes& period) {
-            static_cast<void>(t.accepts("CFG-VALSET", setting(kToRam, period, 1)));
-            const auto meanwhile = item(t, kRam, kPeriod);
-            t.expect(meanwhile != std::uint64_t{period[4]} + 256U * period[5],
-                     "nothing before the end", "the period that was set");
-            return setting(kToRam, {}, 3);
-          });
-        }},
-    Row{"3.10.25", "A transaction does not begin in its middle", kMust, kWrites,
-        [](T& t) {
-          refused(t, [](const UbxBytes& period) { return setting(kToRam, period, 2); });
-        }},
-    Row{"3.10.25", "A layer has to be named", kMust, kWrites,
-        [](T& t) { refused(t, [](const UbxBytes& period) { return setting(0, period); }); }},
-    Row{"3.10.25", "A key that there is not is refused, and all with it", kMust, kWrites,
-        [](T& t) {
-          refused(t, [](const UbxBytes& period) {
-            return setting(kToRam, period + u4(kUnknown) + u2(1));
-          });
-        }},
-    Row{"3.10.25", "A value cut short is refused, and all with it", kMust, kWrites,
-        [](T& t) {
-          refused(t, [](const UbxBytes& period) {
-            return setting(kToRam, period + u4(kRatio) + UbxBytes{1});
-          });
-        }},
-    Row{"3.10.25", "A version that there is not is refused", kMust, kWrites,
-        [](T& t) {
-          refused(t, [](const UbxBytes& period) { return UbxBytes{9, kToRam, 0, 0} + period; });
-        }},
-    Row{"3.10.25", "More than 64 items are refused", kMust, kWrites,
-        [](T& t) {
-          refused(t, [](const UbxBytes& period) {
-            UbxBytes all;
-            for (int i = 0; i < 65; ++i) {
-              all = all + period;
-            }
-            return setting(kToRam, all);
-          });
-        }},
-    Row{"3.10.23", "A key that there is not cannot be deleted", kMust, kWrites,
-        [](T& t) {
-          t.refuses(kDelete, UbxBytes{0, 2, 0, 0} + u4(kUnknown));
-        }},
-    Row{"3.10.23", "Nothing is deleted from RAM", kMust, kWrites,
-        [](T& t) {
-          t.refuses(kDelete, UbxBytes{0, kToRam, 0, 0} + u4(kPeriod));
-        }},
+    ItemRow{"3.10.24", "A request that ends within a key is refused", kMust, kNone,
+            [](T& t) {
+              t.refuses(kGet, UbxBytes{0, 0, 0, 0, 0x01, 0x00});
+            }},
+    ItemRow{"3.10.25", "An item of RAM is set and read back", kMust, kWrites,
+            [](T& t) {
+              changed(t, [](T& trial, std::uint64_t other) {
+                return trial.accepts(
+                    "CFG-VALSET", setting(kToRam, u4(kPeriod) + u2(static_cast<unsigned>(other))));
+              });
+            }},
+    ItemRow{"3.10.25", "What is set by CFG-RATE is read as an item", kMust, kWrites,
+            [](T& t) {
+              changed(t, [](T& trial, std::uint64_t other) {
+                const auto now = trial.poll("CFG-RATE");
+                UbxBytes bytes = now ? now->bytes() : UbxBytes();
+                if (!now) {
+                  return false;
+                }
+                bytes[0] = static_cast<std::uint8_t>(other);
+                bytes[1] = static_cast<std::uint8_t>(other >> 8U);
+                return trial.accepts("CFG-RATE", bytes);
+              });
+            }},
+    ItemRow{"3.10.25", "A transaction acts at its end", kMust, kWrites,
+            [](T& t) {
+              changed(t, [](T& trial, std::uint64_t other) {
+                const UbxBytes period = u4(kPeriod) + u2(static_cast<unsigned>(other));
+                return trial.accepts("CFG-VALSET", setting(kToRam, {}, 1)) &&
+                       trial.accepts("CFG-VALSET", setting(kToRam, period, 2)) &&
+                       trial.accepts("CFG-VALSET", setting(kToRam, {}, 3));
+              });
+            }},
+    ItemRow{"3.10.25", "Another request cancels a transaction, nothing of it is set", kMust,
+            kWrites,
+            [](T& t) {
+              refused(t, [&](const UbxBytes& period) {
+                static_cast<void>(t.accepts("CFG-VALSET", setting(kToRam, period, 1)));
+                const auto meanwhile = item(t, kRam, kPeriod);
+                t.expect(meanwhile != std::uint64_t{period[4]} + 256U * period[5],
+                         "nothing before the end", "the period that was set");
+                return setting(kToRam, {}, 3);
+              });
+            }},
+    ItemRow{"3.10.25", "A transaction does not begin in its middle", kMust, kWrites,
+            [](T& t) {
+              refused(t, [](const UbxBytes& period) { return setting(kToRam, period, 2); });
+            }},
+    ItemRow{"3.10.25", "A layer has to be named", kMust, kWrites,
+            [](T& t) { refused(t, [](const UbxBytes& period) { return setting(0, period); }); }},
+    ItemRow{"3.10.25", "A key that there is not is refused, and all with it", kMust, kWrites,
+            [](T& t) {
+              refused(t, [](const UbxBytes& period) {
+                return setting(kToRam, period + u4(kUnknown) + u2(1));
+              });
+            }},
+    ItemRow{"3.10.25", "A value cut short is refused, and all with it", kMust, kWrites,
+            [](T& t) {
+              refused(t, [](const UbxBytes& period) {
+                return setting(kToRam, period + u4(kRatio) + UbxBytes{1});
+              });
+            }},
+    ItemRow{"3.10.25", "A version that there is not is refused", kMust, kWrites,
+            [](T& t) {
+              refused(t, [](const UbxBytes& period) { return UbxBytes{9, kToRam, 0, 0} + period; });
+            }},
+    ItemRow{"3.10.25", "More than 64 items are refused", kMust, kWrites,
+            [](T& t) {
+              refused(t, [](const UbxBytes& period) {
+                UbxBytes all;
+                for (int i = 0; i < 65; ++i) {
+                  all = all + period;
+                }
+                return setting(kToRam, all);
+              });
+            }},
+    ItemRow{"3.10.23", "A key that there is not cannot be deleted", kMust, kWrites,
+            [](T& t) {
+              t.refuses(kDelete, UbxBytes{0, 2, 0, 0} + u4(kUnknown));
+            }},
+    ItemRow{"3.10.23", "Nothing is deleted from RAM", kMust, kWrites,
+            [](T& t) {
+              t.refuses(kDelete, UbxBytes{0, kToRam, 0, 0} + u4(kPeriod));
+            }},
 };
 
 }  // namespace
 
 std::vector<UbxCase> ubx_item_cases(UbxCitations& citations) {
   std::vector<UbxCase> all;
-  for (const Row& row : kRows) {
+  for (const ItemRow& row : kItemRows) {
     UbxCase& made = all.emplace_back();
     made.identity = citations.f9.next(row.section, row.title, row.strength, row.danger);
     made.needs = {"CFG-VALGET", "CFG-RATE"};

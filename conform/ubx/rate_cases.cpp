@@ -233,7 +233,7 @@ void one_after_the_other(T& trial) {
                text_of(all.times_ms));
 }
 
-struct Row {
+struct RateRow {
   const char* section;
   const char* title;
   Strength strength;
@@ -241,34 +241,32 @@ struct Row {
   void (*run)(T&);
   bool settings = true;  ///< Needs CFG-MSG, CFG-RATE and NAV-CLOCK.
 };
-constexpr auto kMust = Strength::must;
-constexpr auto kNone = Danger::none;
-constexpr auto kWrites = Danger::writes;
 
-constexpr std::array kRows{
-    Row{"32.10.18", "With a rate of 1 a message comes in every epoch", kMust, kWrites,
-        [](T& t) { every(t, 1); }},
-    Row{"32.10.18", "With a rate of 2 it comes in every second", kMust, kWrites,
-        [](T& t) { every(t, 2); }},
-    Row{"32.10.18", "With a rate of 5 it comes in every fifth", kMust, kWrites,
-        [](T& t) { every(t, 5); }},
-    Row{"32.10.18", "With a rate of 0 it comes no more", kMust, kWrites, switched_off},
-    Row{"32.10.27", "With a period of 200 ms there are five epochs in a second", kMust, kWrites,
-        [](T& t) { with_period(t, 200, 1); }},
-    Row{"32.10.27", "With a period of 500 ms there are two", kMust, kWrites,
-        [](T& t) { with_period(t, 500, 1); }},
-    Row{"32.10.27", "Epochs have the claimed period in their own time", kMust, kNone,
-        at_the_claimed_rate, false},
-    Row{"32.10.27", "The time of an epoch comes once", kMust, kNone, one_after_the_other, false},
-    Row{"32.10.27", "How epochs come by this machine's clock", Strength::observed, kNone, pace,
-        false},
+constexpr std::array kRateRows{
+    RateRow{"32.10.18", "With a rate of 1 a message comes in every epoch", kMust, kWrites,
+            [](T& t) { every(t, 1); }},
+    RateRow{"32.10.18", "With a rate of 2 it comes in every second", kMust, kWrites,
+            [](T& t) { every(t, 2); }},
+    RateRow{"32.10.18", "With a rate of 5 it comes in every fifth", kMust, kWrites,
+            [](T& t) { every(t, 5); }},
+    RateRow{"32.10.18", "With a rate of 0 it comes no more", kMust, kWrites, switched_off},
+    RateRow{"32.10.27", "With a period of 200 ms there are five epochs in a second", kMust, kWrites,
+            [](T& t) { with_period(t, 200, 1); }},
+    RateRow{"32.10.27", "With a period of 500 ms there are two", kMust, kWrites,
+            [](T& t) { with_period(t, 500, 1); }},
+    RateRow{"32.10.27", "Epochs have the claimed period in their own time", kMust, kNone,
+            at_the_claimed_rate, false},
+    RateRow{"32.10.27", "The time of an epoch comes once", kMust, kNone, one_after_the_other,
+            false},
+    RateRow{"32.10.27", "How epochs come by this machine's clock", Strength::observed, kNone, pace,
+            false},
 };
 
 }  // namespace
 
 std::vector<UbxCase> ubx_rate_cases(UbxCitations& citations) {
   std::vector<UbxCase> all;
-  for (const Row& row : kRows) {
+  for (const RateRow& row : kRateRows) {
     UbxCase& made = all.emplace_back();
     made.identity = citations.m8.next(row.section, row.title, row.strength, row.danger);
     if (row.settings) {

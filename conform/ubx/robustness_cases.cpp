@@ -57,44 +57,47 @@ UbxBytes many(const UbxBytes& one, int count) {
   return all;
 }
 
-struct Row {
+struct RobustnessRow {
   const char* title;
   void (*run)(T&);
 };
 
-const std::array kRows{
-    Row{"Noise", [](T& t) { survives(t, noise(500), "noise"); }},
-    Row{"Much noise", [](T& t) { survives(t, noise(20'000), "much noise"); }},
-    Row{"A hundred first synchronization characters",
-        [](T& t) { survives(t, UbxBytes(100, ubx::kSync1), "B5, a hundred times"); }},
-    Row{"A frame of a length of 65535, of which nothing comes",
+const std::array kRobustnessRows{
+    RobustnessRow{"Noise", [](T& t) { survives(t, noise(500), "noise"); }},
+    RobustnessRow{"Much noise", [](T& t) { survives(t, noise(20'000), "much noise"); }},
+    RobustnessRow{"A hundred first synchronization characters",
+                  [](T& t) { survives(t, UbxBytes(100, ubx::kSync1), "B5, a hundred times"); }},
+    RobustnessRow{
+        "A frame of a length of 65535, of which nothing comes",
         [](T& t) {
           survives(t, {ubx::kSync1, ubx::kSync2, 0x0A, 0x04, 0xFF, 0xFF}, "a length of FFFF");
         }},
-    Row{"A frame of a length of 100, of which ten bytes come",
-        [](T& t) {
-          survives(t, UbxBytes{ubx::kSync1, ubx::kSync2, 0x0A, 0x04, 100, 0} + UbxBytes(10, 0),
-                   "a frame cut short");
-        }},
-    Row{"A sentence without an end",
-        [](T& t) {
-          survives(t, UbxBytes{'$'} + UbxBytes(2000, 'A'), "a sentence without an end");
-        }},
-    Row{"A hundred polls without waiting",
+    RobustnessRow{"A frame of a length of 100, of which ten bytes come",
+                  [](T& t) {
+                    survives(
+                        t, UbxBytes{ubx::kSync1, ubx::kSync2, 0x0A, 0x04, 100, 0} + UbxBytes(10, 0),
+                        "a frame cut short");
+                  }},
+    RobustnessRow{"A sentence without an end",
+                  [](T& t) {
+                    survives(t, UbxBytes{'$'} + UbxBytes(2000, 'A'), "a sentence without an end");
+                  }},
+    RobustnessRow{
+        "A hundred polls without waiting",
         [](T& t) {
           survives(t, many(T::framed({0x01, 0x22}, {}), 100), "a hundred polls of NAV-CLOCK");
         }},
-    Row{"A thousand unknown polls",
-        [](T& t) {
-          survives(t, many(T::framed({0x7D, 1}, {}), 1000), "a thousand polls");
-        }},
+    RobustnessRow{"A thousand unknown polls",
+                  [](T& t) {
+                    survives(t, many(T::framed({0x7D, 1}, {}), 1000), "a thousand polls");
+                  }},
 };
 
 }  // namespace
 
 std::vector<UbxCase> ubx_robustness_cases(UbxCitations& citations) {
   std::vector<UbxCase> all;
-  for (const Row& row : kRows) {
+  for (const RobustnessRow& row : kRobustnessRows) {
     UbxCase& made = all.emplace_back();
     made.identity =
         citations.m8.next_in("robustness", row.title, "No document: the receiver goes on");

@@ -166,201 +166,208 @@ void rates_of_a_command(T& trial) {
   }
 }
 
-struct Row {
+struct SettingRow {
   const char* message;
   const char* title;
   Strength strength;
   Danger danger;
   void (*run)(T&);
 };
-constexpr auto kMust = Strength::must;
-constexpr auto kShould = Strength::should;
-constexpr auto kNone = Danger::none;
-constexpr auto kWrites = Danger::writes;
 
-const std::array kRows{
-    Row{"CFG-PRT", "A poll without a port is of a port that there is", kMust, kNone,
-        [](T& t) {
-          if (const auto found = t.poll("CFG-PRT")) {
-            t.expect(found->value("portID") <= 4, "port 0 to 4", found->words());
-          }
-        }},
-    Row{"CFG-PRT", "A poll of port 1 is of port 1", kMust, kNone, [](T& t) { port_of_poll(t, 1); }},
-    Row{"CFG-PRT", "A poll of port 3 is of port 3", kMust, kNone, [](T& t) { port_of_poll(t, 3); }},
-    Row{"CFG-PRT", "A port that there is not is refused", kMust, kNone,
-        [](T& t) {
-          t.refuses({0x06, 0x00}, {9});
-        }},
-    Row{"CFG-PRT", "The line takes and gives UBX", kMust, kNone,
-        [](T& t) {
-          if (const auto found = t.poll("CFG-PRT", {1})) {
-            t.expect(found->bits("inProtoMask", 0) == 1 && found->bits("outProtoMask", 0) == 1,
-                     "bit 0 of inProtoMask and outProtoMask", found->words());
-          }
-        }},
-    Row{"CFG-MSG", "Rates of RMC are of RMC", kMust, kNone,
-        [](T& t) {
-          message_rates(t, {0xF0, 0x04});
-        }},
-    Row{"CFG-MSG", "Rates of NAV-STATUS are of NAV-STATUS", kMust, kNone,
-        [](T& t) {
-          message_rates(t, {0x01, 0x03});
-        }},
-    Row{"CFG-MSG", "Rates of a message that there is not are refused", kMust, kNone,
-        [](T& t) {
-          t.refuses({0x06, 0x01}, {0x01, 0xFE});
-        }},
-    Row{"CFG-MSG", "Rates of an acknowledgement are refused", kMust, kNone,
-        [](T& t) {
-          t.refuses({0x06, 0x01}, {0x05, 0x01});
-        }},
-    Row{"CFG-MSG", "A rate for a message that there is not is refused", kMust, kWrites,
-        [](T& t) {
-          t.refuses({0x06, 0x01}, {0x01, 0xFE, 1});
-        }},
-    Row{"CFG-MSG", "Rates for all ports are read back, and put back", kMust, kWrites,
-        rates_of_a_command},
-    Row{"CFG-INF", "A protocol that there is not is refused", kMust, kNone,
-        [](T& t) {
-          t.refuses({0x06, 0x02}, {200});
-        }},
-    Row{"CFG-INF", "A poll of NMEA is of NMEA", kMust, kNone,
-        [](T& t) {
-          if (const auto found = t.poll("CFG-INF", {1})) {
-            t.expect(found->blocks() == 1 && found->value_in(0, "protocolID") == 1,
-                     "one block, of protocol 1", found->words());
-          }
-        }},
-    Row{"CFG-INF", "A poll of UBX is of UBX", kMust, kNone,
-        [](T& t) {
-          if (const auto found = t.poll("CFG-INF", {0})) {
-            t.expect(found->blocks() == 1 && found->value_in(0, "protocolID") == 0,
-                     "one block, of protocol 0", found->words());
-          }
-        }},
-    Row{"CFG-RATE", "The period is what is claimed", kMust, kNone,
-        [](T& t) {
-          const auto found = t.poll("CFG-RATE");
-          if (found && t.claims().rate_hz > 0.0) {
-            const double rate = 1000.0 / (found->value("measRate") * found->value("navRate"));
-            t.expect(std::abs(rate - t.claims().rate_hz) < 0.01 * t.claims().rate_hz,
-                     "measRate times navRate as is claimed", found->words());
-          }
-        }},
-    Row{"CFG-RATE", "The time that it is aligned to is one that there is", kMust, kNone,
-        [](T& t) {
-          if (const auto found = t.poll("CFG-RATE")) {
-            t.expect(found->value("timeRef") <= 4, "timeRef 0 to 4", found->words());
-          }
-        }},
-    Row{"CFG-RATE", "A period of 0 is refused, nothing changes", kMust, kWrites,
+const std::array kSettingRows{
+    SettingRow{"CFG-PRT", "A poll without a port is of a port that there is", kMust, kNone,
+               [](T& t) {
+                 if (const auto found = t.poll("CFG-PRT")) {
+                   t.expect(found->value("portID") <= 4, "port 0 to 4", found->words());
+                 }
+               }},
+    SettingRow{"CFG-PRT", "A poll of port 1 is of port 1", kMust, kNone,
+               [](T& t) { port_of_poll(t, 1); }},
+    SettingRow{"CFG-PRT", "A poll of port 3 is of port 3", kMust, kNone,
+               [](T& t) { port_of_poll(t, 3); }},
+    SettingRow{"CFG-PRT", "A port that there is not is refused", kMust, kNone,
+               [](T& t) {
+                 t.refuses({0x06, 0x00}, {9});
+               }},
+    SettingRow{"CFG-PRT", "The line takes and gives UBX", kMust, kNone,
+               [](T& t) {
+                 if (const auto found = t.poll("CFG-PRT", {1})) {
+                   t.expect(
+                       found->bits("inProtoMask", 0) == 1 && found->bits("outProtoMask", 0) == 1,
+                       "bit 0 of inProtoMask and outProtoMask", found->words());
+                 }
+               }},
+    SettingRow{"CFG-MSG", "Rates of RMC are of RMC", kMust, kNone,
+               [](T& t) {
+                 message_rates(t, {0xF0, 0x04});
+               }},
+    SettingRow{"CFG-MSG", "Rates of NAV-STATUS are of NAV-STATUS", kMust, kNone,
+               [](T& t) {
+                 message_rates(t, {0x01, 0x03});
+               }},
+    SettingRow{"CFG-MSG", "Rates of a message that there is not are refused", kMust, kNone,
+               [](T& t) {
+                 t.refuses({0x06, 0x01}, {0x01, 0xFE});
+               }},
+    SettingRow{"CFG-MSG", "Rates of an acknowledgement are refused", kMust, kNone,
+               [](T& t) {
+                 t.refuses({0x06, 0x01}, {0x05, 0x01});
+               }},
+    SettingRow{"CFG-MSG", "A rate for a message that there is not is refused", kMust, kWrites,
+               [](T& t) {
+                 t.refuses({0x06, 0x01}, {0x01, 0xFE, 1});
+               }},
+    SettingRow{"CFG-MSG", "Rates for all ports are read back, and put back", kMust, kWrites,
+               rates_of_a_command},
+    SettingRow{"CFG-INF", "A protocol that there is not is refused", kMust, kNone,
+               [](T& t) {
+                 t.refuses({0x06, 0x02}, {200});
+               }},
+    SettingRow{"CFG-INF", "A poll of NMEA is of NMEA", kMust, kNone,
+               [](T& t) {
+                 if (const auto found = t.poll("CFG-INF", {1})) {
+                   t.expect(found->blocks() == 1 && found->value_in(0, "protocolID") == 1,
+                            "one block, of protocol 1", found->words());
+                 }
+               }},
+    SettingRow{"CFG-INF", "A poll of UBX is of UBX", kMust, kNone,
+               [](T& t) {
+                 if (const auto found = t.poll("CFG-INF", {0})) {
+                   t.expect(found->blocks() == 1 && found->value_in(0, "protocolID") == 0,
+                            "one block, of protocol 0", found->words());
+                 }
+               }},
+    SettingRow{"CFG-RATE", "The period is what is claimed", kMust, kNone,
+               [](T& t) {
+                 const auto found = t.poll("CFG-RATE");
+                 if (found && t.claims().rate_hz > 0.0) {
+                   const double rate =
+                       1000.0 / (found->value("measRate") * found->value("navRate"));
+                   t.expect(std::abs(rate - t.claims().rate_hz) < 0.01 * t.claims().rate_hz,
+                            "measRate times navRate as is claimed", found->words());
+                 }
+               }},
+    SettingRow{"CFG-RATE", "The time that it is aligned to is one that there is", kMust, kNone,
+               [](T& t) {
+                 if (const auto found = t.poll("CFG-RATE")) {
+                   t.expect(found->value("timeRef") <= 4, "timeRef 0 to 4", found->words());
+                 }
+               }},
+    SettingRow{
+        "CFG-RATE", "A period of 0 is refused, nothing changes", kMust, kWrites,
         [](T& t) { refused_unchanged(t, "CFG-RATE", [](UbxBytes& b) { put(b, 0, u2(0)); }); }},
-    Row{"CFG-RATE", "A time that there is not is refused, nothing changes", kShould, kWrites,
+    SettingRow{
+        "CFG-RATE", "A time that there is not is refused, nothing changes", kShould, kWrites,
         [](T& t) { refused_unchanged(t, "CFG-RATE", [](UbxBytes& b) { put(b, 4, u2(99)); }); }},
-    Row{"CFG-RATE", "Another period is read back, and put back", kMust, kWrites,
-        [](T& t) {
-          changed(
-              t, "CFG-RATE", [](UbxBytes& b) { put(b, 0, u2(b[0] == 0xF4 ? 1000 : 500)); },
-              [](const UbxPayload& before, const UbxPayload& now) {
-                return now.value("measRate") == (before.bytes()[0] == 0xF4 ? 1000 : 500);
-              },
-              "the period that was set");
-        }},
-    Row{"CFG-NAV5", "What is read has a mask of all", kShould, kNone,
-        [](T& t) {
-          if (const auto found = t.poll("CFG-NAV5")) {
-            t.expect(found->value("mask") == 0xFFFF, "FFFF hex", found->words());
-          }
-        }},
-    Row{"CFG-NAV5", "Model, mode and elevation are such", kMust, kNone,
-        [](T& t) {
-          if (const auto found = t.poll("CFG-NAV5")) {
-            t.expect(found->value("dynModel") <= 12 && found->value("dynModel") != 1,
-                     "a dynModel that there is", found->words());
-            t.expect(found->value("fixMode") >= 1 && found->value("fixMode") <= 3, "fixMode 1 to 3",
-                     found->words());
-            t.expect(std::abs(found->value("minElev")) <= 90, "minElev up to 90 degrees",
-                     found->words());
-          }
-        }},
-    Row{"CFG-NAV5", "A mask of nothing changes nothing", kMust, kWrites, mask_of_nothing},
-    Row{"CFG-NAV5", "What the mask names is changed, and put back", kMust, kWrites,
-        one_of_the_mask},
-    Row{"CFG-NAV5", "A dynamic model that there is not is refused, nothing changes", kMust, kWrites,
-        [](T& t) {
-          refused_unchanged(t, "CFG-NAV5", [](UbxBytes& b) {
-            put(b, 0, u2(0x0001));
-            b[2] = 77;
-          });
-        }},
-    Row{"CFG-NAV5", "A fix mode that there is not is refused, nothing changes", kMust, kWrites,
-        [](T& t) {
-          refused_unchanged(t, "CFG-NAV5", [](UbxBytes& b) {
-            put(b, 0, u2(0x0004));
-            b[3] = 9;
-          });
-        }},
-    Row{"CFG-TP5", "A poll of pulse 0 is of pulse 0", kMust, kNone,
-        [](T& t) {
-          if (const auto found = t.poll("CFG-TP5", {0})) {
-            t.expect(found->value("tpIdx") == 0, "tpIdx 0", found->words());
-          }
-        }},
-    Row{"CFG-TP5", "A poll of pulse 1 is of pulse 1", kMust, kNone,
-        [](T& t) {
-          if (const auto found = t.poll("CFG-TP5", {1})) {
-            t.expect(found->value("tpIdx") == 1, "tpIdx 1", found->words());
-          }
-        }},
-    Row{"CFG-TP5", "A pulse that there is not is refused", kMust, kNone,
-        [](T& t) {
-          t.refuses({0x06, 0x31}, {9});
-        }},
-    Row{"CFG-TP5", "A cable's delay is read back, and put back", kMust, kWrites,
-        [](T& t) {
-          changed(
-              t, "CFG-TP5", [](UbxBytes& b) { put(b, 4, u2(b[4] == 60 ? 61 : 60)); },
-              [](const UbxPayload& before, const UbxPayload& now) {
-                return now.value("antCableDelay") == (before.bytes()[4] == 60 ? 61 : 60);
-              },
-              "the delay that was set");
-        }},
-    Row{"CFG-GNSS", "Channels and systems are such", kMust, kNone, gnss_blocks},
-    Row{"CFG-GNSS", "No system at all is refused, nothing changes", kMust, kWrites,
-        [](T& t) {
-          refused_unchanged(t, "CFG-GNSS", [](UbxBytes& b) {
-            for (std::size_t at = 8; at < b.size(); at += 8) {
-              b[at] = static_cast<std::uint8_t>(b[at] & 0xFEU);
-            }
-          });
-        }},
-    Row{"CFG-GNSS", "More blocks than there are is refused, nothing changes", kMust, kWrites,
-        [](T& t) {
-          refused_unchanged(t, "CFG-GNSS",
-                            [](UbxBytes& b) { b[3] = static_cast<std::uint8_t>(b[3] + 1); });
-        }},
-    Row{"CFG-NMEA", "The version is one that there is", kMust, kNone,
-        [](T& t) {
-          static constexpr std::array kVersions{0x21, 0x23, 0x40, 0x41, 0x4B};
-          if (const auto found = t.poll("CFG-NMEA")) {
-            t.expect(std::ranges::find(kVersions, found->value("nmeaVersion")) != kVersions.end(),
-                     "21, 23, 40, 41 or 4B hex", found->words());
-          }
-        }},
-    Row{"CFG-NMEA", "A version that there is not is refused, nothing changes", kMust, kWrites,
-        [](T& t) { refused_unchanged(t, "CFG-NMEA", [](UbxBytes& b) { b[1] = 0x99; }); }},
-    Row{"CFG-SBAS", "The number of satellites to track is read back, and put back", kMust, kWrites,
-        [](T& t) {
-          changed(
-              t, "CFG-SBAS",
-              [](UbxBytes& b) { b[2] = static_cast<std::uint8_t>(b[2] == 1 ? 2 : 1); },
-              [](const UbxPayload& before, const UbxPayload& now) {
-                return now.value("maxSBAS") == (before.value("maxSBAS") == 1 ? 2 : 1);
-              },
-              "the number that was set");
-        }},
-    Row{"CFG-RATE", "Clearing, saving and loading nothing is taken (CFG-CFG)", kMust, kWrites,
-        [](T& t) { t.accepts("CFG-CFG", UbxBytes(12, 0)); }},
+    SettingRow{"CFG-RATE", "Another period is read back, and put back", kMust, kWrites,
+               [](T& t) {
+                 changed(
+                     t, "CFG-RATE", [](UbxBytes& b) { put(b, 0, u2(b[0] == 0xF4 ? 1000 : 500)); },
+                     [](const UbxPayload& before, const UbxPayload& now) {
+                       return now.value("measRate") == (before.bytes()[0] == 0xF4 ? 1000 : 500);
+                     },
+                     "the period that was set");
+               }},
+    SettingRow{"CFG-NAV5", "What is read has a mask of all", kShould, kNone,
+               [](T& t) {
+                 if (const auto found = t.poll("CFG-NAV5")) {
+                   t.expect(found->value("mask") == 0xFFFF, "FFFF hex", found->words());
+                 }
+               }},
+    SettingRow{"CFG-NAV5", "Model, mode and elevation are such", kMust, kNone,
+               [](T& t) {
+                 if (const auto found = t.poll("CFG-NAV5")) {
+                   t.expect(found->value("dynModel") <= 12 && found->value("dynModel") != 1,
+                            "a dynModel that there is", found->words());
+                   t.expect(found->value("fixMode") >= 1 && found->value("fixMode") <= 3,
+                            "fixMode 1 to 3", found->words());
+                   t.expect(std::abs(found->value("minElev")) <= 90, "minElev up to 90 degrees",
+                            found->words());
+                 }
+               }},
+    SettingRow{"CFG-NAV5", "A mask of nothing changes nothing", kMust, kWrites, mask_of_nothing},
+    SettingRow{"CFG-NAV5", "What the mask names is changed, and put back", kMust, kWrites,
+               one_of_the_mask},
+    SettingRow{"CFG-NAV5", "A dynamic model that there is not is refused, nothing changes", kMust,
+               kWrites,
+               [](T& t) {
+                 refused_unchanged(t, "CFG-NAV5", [](UbxBytes& b) {
+                   put(b, 0, u2(0x0001));
+                   b[2] = 77;
+                 });
+               }},
+    SettingRow{"CFG-NAV5", "A fix mode that there is not is refused, nothing changes", kMust,
+               kWrites,
+               [](T& t) {
+                 refused_unchanged(t, "CFG-NAV5", [](UbxBytes& b) {
+                   put(b, 0, u2(0x0004));
+                   b[3] = 9;
+                 });
+               }},
+    SettingRow{"CFG-TP5", "A poll of pulse 0 is of pulse 0", kMust, kNone,
+               [](T& t) {
+                 if (const auto found = t.poll("CFG-TP5", {0})) {
+                   t.expect(found->value("tpIdx") == 0, "tpIdx 0", found->words());
+                 }
+               }},
+    SettingRow{"CFG-TP5", "A poll of pulse 1 is of pulse 1", kMust, kNone,
+               [](T& t) {
+                 if (const auto found = t.poll("CFG-TP5", {1})) {
+                   t.expect(found->value("tpIdx") == 1, "tpIdx 1", found->words());
+                 }
+               }},
+    SettingRow{"CFG-TP5", "A pulse that there is not is refused", kMust, kNone,
+               [](T& t) {
+                 t.refuses({0x06, 0x31}, {9});
+               }},
+    SettingRow{"CFG-TP5", "A cable's delay is read back, and put back", kMust, kWrites,
+               [](T& t) {
+                 changed(
+                     t, "CFG-TP5", [](UbxBytes& b) { put(b, 4, u2(b[4] == 60 ? 61 : 60)); },
+                     [](const UbxPayload& before, const UbxPayload& now) {
+                       return now.value("antCableDelay") == (before.bytes()[4] == 60 ? 61 : 60);
+                     },
+                     "the delay that was set");
+               }},
+    SettingRow{"CFG-GNSS", "Channels and systems are such", kMust, kNone, gnss_blocks},
+    SettingRow{"CFG-GNSS", "No system at all is refused, nothing changes", kMust, kWrites,
+               [](T& t) {
+                 refused_unchanged(t, "CFG-GNSS", [](UbxBytes& b) {
+                   for (std::size_t at = 8; at < b.size(); at += 8) {
+                     b[at] = static_cast<std::uint8_t>(b[at] & 0xFEU);
+                   }
+                 });
+               }},
+    SettingRow{"CFG-GNSS", "More blocks than there are is refused, nothing changes", kMust, kWrites,
+               [](T& t) {
+                 refused_unchanged(t, "CFG-GNSS",
+                                   [](UbxBytes& b) { b[3] = static_cast<std::uint8_t>(b[3] + 1); });
+               }},
+    SettingRow{"CFG-NMEA", "The version is one that there is", kMust, kNone,
+               [](T& t) {
+                 static constexpr std::array kVersions{0x21, 0x23, 0x40, 0x41, 0x4B};
+                 if (const auto found = t.poll("CFG-NMEA")) {
+                   t.expect(
+                       std::ranges::find(kVersions, found->value("nmeaVersion")) != kVersions.end(),
+                       "21, 23, 40, 41 or 4B hex", found->words());
+                 }
+               }},
+    SettingRow{"CFG-NMEA", "A version that there is not is refused, nothing changes", kMust,
+               kWrites,
+               [](T& t) { refused_unchanged(t, "CFG-NMEA", [](UbxBytes& b) { b[1] = 0x99; }); }},
+    SettingRow{"CFG-SBAS", "The number of satellites to track is read back, and put back", kMust,
+               kWrites,
+               [](T& t) {
+                 changed(
+                     t, "CFG-SBAS",
+                     [](UbxBytes& b) { b[2] = static_cast<std::uint8_t>(b[2] == 1 ? 2 : 1); },
+                     [](const UbxPayload& before, const UbxPayload& now) {
+                       return now.value("maxSBAS") == (before.value("maxSBAS") == 1 ? 2 : 1);
+                     },
+                     "the number that was set");
+               }},
+    SettingRow{"CFG-RATE", "Clearing, saving and loading nothing is taken (CFG-CFG)", kMust,
+               kWrites, [](T& t) { t.accepts("CFG-CFG", UbxBytes(12, 0)); }},
 };
 
 constexpr std::array<std::string_view, 3> kNotWrittenAsRead{
@@ -393,7 +400,7 @@ std::vector<UbxCase> ubx_setting_cases(UbxCitations& citations) {
           [&message](T& trial) { wrong_length(trial, message); };
     }
   }
-  for (const Row& row : kRows) {
+  for (const SettingRow& row : kSettingRows) {
     add(*ubx_message(row.message), row.title, row.strength, row.danger).run = row.run;
   }
   return all;

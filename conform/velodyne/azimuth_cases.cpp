@@ -27,7 +27,7 @@ std::string turning_all_round(const Log& log, const Claims& claims) {
 /// Of each two firings that follow each other without a long gap: `check(step_counts, time_ns,
 /// within)` returns a Wrong; `within` one packet.
 template <class Check>
-void each_step(Trial& trial, const Log& log, const char* expected, const Check& check) {
+void each_azimuth_step(Trial& trial, const Log& log, const char* expected, const Check& check) {
   const auto& firings = log.firings();
   for (std::size_t i = 1; i < firings.size(); ++i) {
     const VelodyneFiring& from = firings[i - 1];
@@ -48,7 +48,7 @@ void each_step(Trial& trial, const Log& log, const char* expected, const Check& 
 }
 
 void forward(Trial& trial, const Log& log, const Claims&) {
-  each_step(trial, log, "azimuths that never go back", [](int step, std::int64_t, bool) {
+  each_azimuth_step(trial, log, "azimuths that never go back", [](int step, std::int64_t, bool) {
     return step < 0 ? Wrong(std::to_string(step)) : Wrong();
   });
 }
@@ -63,23 +63,24 @@ constexpr double kTremble_counts = 5.0;
 
 void steps(Trial& trial, const Log& log, const Claims&) {
   const double rotor_rpm = *log.rotor_rpm();
-  each_step(trial, log, "within a packet steps of the azimuth as the rotor turns, but for 5 counts",
-            [&](int step, std::int64_t time_ns, bool within) {
-              const double off = std::abs(step - turned(rotor_rpm, time_ns));
-              const double allowed = kTremble_counts + 0.02 * turned(rotor_rpm, time_ns);
-              return within && off > allowed ? Wrong(std::to_string(step) + " counts") : Wrong();
-            });
+  each_azimuth_step(
+      trial, log, "within a packet steps of the azimuth as the rotor turns, but for 5 counts",
+      [&](int step, std::int64_t time_ns, bool within) {
+        const double off = std::abs(step - turned(rotor_rpm, time_ns));
+        const double allowed = kTremble_counts + 0.02 * turned(rotor_rpm, time_ns);
+        return within && off > allowed ? Wrong(std::to_string(step) + " counts") : Wrong();
+      });
 }
 
 void from_packet_to_packet(Trial& trial, const Log& log, const Claims&) {
   const double rotor_rpm = *log.rotor_rpm();
-  each_step(trial, log, "from packet to packet as much azimuth as time, within 0.3 degrees",
-            [&](int step, std::int64_t time_ns, bool within) {
-              const double off = std::remainder(step - turned(rotor_rpm, time_ns), 36'000.0);
-              return !within && std::abs(off) > 30.0
-                         ? Wrong(number_text(off / 100.0) + " degrees off")
-                         : Wrong();
-            });
+  each_azimuth_step(
+      trial, log, "from packet to packet as much azimuth as time, within 0.3 degrees",
+      [&](int step, std::int64_t time_ns, bool within) {
+        const double off = std::remainder(step - turned(rotor_rpm, time_ns), 36'000.0);
+        return !within && std::abs(off) > 30.0 ? Wrong(number_text(off / 100.0) + " degrees off")
+                                               : Wrong();
+      });
 }
 
 void covers(Trial& trial, const Log& log, const Claims&) {
@@ -175,7 +176,7 @@ void steady(Trial& trial, const Log& log, const Claims&) {
 void differs(Trial& trial, const Log& log, const Claims&) {
   std::size_t same = 0;
   std::size_t all = 0;
-  each_step(trial, log, "", [&](int step, std::int64_t, bool within) {
+  each_azimuth_step(trial, log, "", [&](int step, std::int64_t, bool within) {
     all += within ? 1U : 0U;
     same += within && step == 0 ? 1U : 0U;
     return Wrong();

@@ -18,7 +18,7 @@ using Claims = VelodyneClaims;
 
 constexpr const char* kPosition = "63-9113 Rev. H, Position packet; 63-9243 Rev. D, 9.4";
 constexpr const char* kExtended = "63-9483 Rev. A, table 9-2";
-constexpr std::uint32_t kHour_us = 3'600'000'000;
+constexpr std::uint32_t kHourOfPositions_us = 3'600'000'000;
 
 std::string some_position(const Log& log, const Claims& claims) {
   const std::string none = position_packets(log, claims);
@@ -29,7 +29,7 @@ void come(Trial& trial, const Log& log, const Claims&) {
   trial.expect(!log.position_datagrams().empty(), "position packets", "none");
 }
 
-void length(Trial& trial, const Log& log, const Claims&) {
+void position_length(Trial& trial, const Log& log, const Claims&) {
   for (const VelodyneDatagram& datagram : log.position_datagrams()) {
     if (datagram.bytes.size() != velodyne::kPositionPacketSize) {
       trial.received(datagram.bytes, "of another length");
@@ -138,12 +138,13 @@ void before_sentence(Trial& trial, const Log& log, const Claims&) {
 void within_the_hour(Trial& trial, const Log& log, const Claims&) {
   each(trial, log.positions(), "timestamps below 3 600 000 000 us",
        [](const VelodynePosition& packet) {
-         return packet.timestamp_us() < kHour_us ? Wrong()
-                                                 : Wrong(std::to_string(packet.timestamp_us()));
+         return packet.timestamp_us() < kHourOfPositions_us
+                    ? Wrong()
+                    : Wrong(std::to_string(packet.timestamp_us()));
        });
 }
 
-void forward(Trial& trial, const Log& log, const Claims&) {
+void position_forward(Trial& trial, const Log& log, const Claims&) {
   std::optional<std::uint32_t> before;
   each(trial, log.positions(), "timestamps that go forward", [&](const VelodynePosition& packet) {
     const bool back = before && timestamp_step_us(*before, packet.timestamp_us()) < 0;
@@ -318,7 +319,8 @@ void new_each_second(Trial& trial, const Log& log, const Claims&) {
 std::vector<VelodyneRow> velodyne_position_rows() {
   return {
       {"position", "Position packets come", kPosition, kShould, position_packets, come},
-      {"position", "A position packet has 512 bytes", kPosition, kMust, position_packets, length},
+      {"position", "A position packet has 512 bytes", kPosition, kMust, position_packets,
+       position_length},
       {"position", "It begins with zeros", kPosition, kMust, some_position, head},
       {"position", "The plain layout is zeros up to the timestamp", "63-9243 Rev. D, 9.4", kMust,
        has_layout<PositionLayout::plain>, plain},
@@ -337,7 +339,7 @@ std::vector<VelodyneRow> velodyne_position_rows() {
        before_sentence},
       {"position", "Timestamps are within the hour", kPosition, kShould, some_position,
        within_the_hour},
-      {"position", "Timestamps go forward", kPosition, kMust, some_position, forward},
+      {"position", "Timestamps go forward", kPosition, kMust, some_position, position_forward},
       {"position", "No position packet comes twice", kPosition, kShould, some_position, repeated},
       {"position", "Timestamps are those of the data packets", kPosition, kMust, position_all_round,
        with_data},

@@ -37,7 +37,7 @@ std::string claimed_mode(const Log& log, const Claims& claims) {
   return claims.return_mode.empty() ? "no return mode is claimed" : a_model(log, claims);
 }
 
-void as_claimed(Trial& trial, const Log& log, const Claims& claims) {
+void returns_as_claimed(Trial& trial, const Log& log, const Claims& claims) {
   const bool strongest_or_last = log.model()->status_channel && !log.dual();
   const std::string_view found = return_mode_name(log.mode());
   trial.expect(found == claims.return_mode || (strongest_or_last && claims.return_mode == "last"),
@@ -175,7 +175,8 @@ std::vector<VelodyneRow> velodyne_return_rows() {
        known_mode},
       {"returns", "The return mode is the same in all packets", kFactory, kMust, factory_bytes,
        one_mode},
-      {"returns", "The return mode is the claimed one", kFactory, kMust, claimed_mode, as_claimed},
+      {"returns", "The return mode is the claimed one", kFactory, kMust, claimed_mode,
+       returns_as_claimed},
       {"returns", "The product id is one that there is", kFactory, kMust, factory_bytes,
        known_product},
       {"returns", "The product id is the same in all packets", kFactory, kMust, factory_bytes,

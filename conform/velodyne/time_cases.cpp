@@ -12,11 +12,11 @@ using Claims = VelodyneClaims;
 
 constexpr const char* kTimestamp = "63-9113 Rev. H, Packet format; 63-9243 Rev. D, 9.3, timestamp";
 constexpr const char* kTiming = "the model's manual: firing timing";
-constexpr std::uint32_t kHour_us = 3'600'000'000;
+constexpr std::uint32_t kWrap_us = 3'600'000'000;
 
-void within_the_hour(Trial& trial, const Log& log, const Claims&) {
+void time_within_the_hour(Trial& trial, const Log& log, const Claims&) {
   each(trial, log.data(), "timestamps below 3 600 000 000 us", [](const VelodyneData& packet) {
-    return packet.timestamp_us() < kHour_us ? Wrong()
+    return packet.timestamp_us() < kWrap_us ? Wrong()
                                             : Wrong(std::to_string(packet.timestamp_us()));
   });
 }
@@ -37,7 +37,7 @@ void each_step(Trial& trial, const Log& log, const std::string& expected, const 
   trial.expect(true, expected, "");
 }
 
-void forward(Trial& trial, const Log& log, const Claims&) {
+void time_forward(Trial& trial, const Log& log, const Claims&) {
   each_step(trial, log, "timestamps that never go back but at the hour", [](std::int64_t step) {
     return step < 0 ? Wrong(std::to_string(step) + " us") : Wrong();
   });
@@ -104,7 +104,7 @@ void firing_clock(Trial& trial, const Log& log, const Claims&) {
 std::string an_hour(const Log& log, const Claims& claims) {
   for (std::size_t i = 1; i < log.data().size(); ++i) {
     if (log.data()[i].timestamp_us() < log.data()[i - 1].timestamp_us() &&
-        log.data()[i - 1].timestamp_us() - log.data()[i].timestamp_us() > kHour_us / 2) {
+        log.data()[i - 1].timestamp_us() - log.data()[i].timestamp_us() > kWrap_us / 2) {
       return a_model(log, claims);
     }
   }
@@ -115,7 +115,7 @@ void at_the_hour(Trial& trial, const Log& log, const Claims&) {
   for (std::size_t i = 1; i < log.data().size(); ++i) {
     const std::uint32_t from = log.data()[i - 1].timestamp_us();
     const std::uint32_t to = log.data()[i].timestamp_us();
-    if (from > to && from - to > kHour_us / 2) {
+    if (from > to && from - to > kWrap_us / 2) {
       const double step = static_cast<double>(log.steps_us()[i - 1]);
       trial.expect(step > 0.0 && step < 20.0 * log.packet_period_us(),
                    "behind the hour's last packet one of the hour's begin",
@@ -130,7 +130,7 @@ double seconds(std::chrono::nanoseconds time) {
   return std::chrono::duration<double>(time).count();
 }
 
-void rate(Trial& trial, const Log& log, const Claims&) {
+void time_rate(Trial& trial, const Log& log, const Claims&) {
   const double span_s = seconds(log.data().back().datagram().at - log.data().front().datagram().at);
   const double found = static_cast<double>(log.data().size() - 1) / span_s;
   const double right = 1e6 / log.packet_period_us();
@@ -169,14 +169,15 @@ std::string several(const Log& log, const Claims& claims) {
 
 std::vector<VelodyneRow> velodyne_time_rows() {
   return {
-      {"time", "Timestamps are within the hour", kTimestamp, kShould, nothing, within_the_hour},
-      {"time", "Timestamps never go back", kTimestamp, kMust, nothing, forward},
+      {"time", "Timestamps are within the hour", kTimestamp, kShould, nothing,
+       time_within_the_hour},
+      {"time", "Timestamps never go back", kTimestamp, kMust, nothing, time_forward},
       {"time", "No packet comes twice", kTimestamp, kShould, nothing, once},
       {"time", "A packet lasts as long as its firings", kTiming, kMust, all_round, whole_periods},
       {"time", "No packet is missing", kTiming, kShould, all_round, none_missing},
       {"time", "The firing clock is the model's", kTiming, kMust, all_round, firing_clock},
       {"time", "The timestamp begins anew with the hour", kTimestamp, kMust, an_hour, at_the_hour},
-      {"timing", "Data packets come at the model's rate", kTiming, kShould, several, rate},
+      {"timing", "Data packets come at the model's rate", kTiming, kShould, several, time_rate},
       {"timing", "The sensor's time goes as this machine's", kTimestamp, kShould, several, pace},
       {"timing", "How evenly data packets come", kTiming, kObserved, several, gaps},
   };

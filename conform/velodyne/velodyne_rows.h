@@ -11,10 +11,6 @@
 
 namespace rigwire::conform {
 
-inline constexpr auto kMust = Strength::must;
-inline constexpr auto kShould = Strength::should;
-inline constexpr auto kObserved = Strength::observed;
-
 inline std::string number_text(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.6g", value);

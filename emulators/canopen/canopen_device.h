@@ -19,6 +19,12 @@
 
 namespace rigwire::emulators {
 
+/// Returns the remainder of `value` by `range`, 0 or above.
+[[nodiscard]] constexpr std::int64_t modulo(std::int64_t value, std::int64_t range) {
+  const std::int64_t rest = value % range;
+  return rest < 0 ? rest + range : rest;
+}
+
 struct CanopenDeviceSettings {
   CanopenNodeSettings node;
   std::uint8_t transmission_type = 255;  ///< Of TPDO1 at delivery: 0..240, 254 or 255.

@@ -33,11 +33,6 @@ double radians(double resolution_mdeg) {
   return resolution_mdeg * 1e-3 * kPi / 180.0;
 }
 
-std::int64_t modulo(std::int64_t value, std::int64_t range) {
-  const std::int64_t rest = value % range;
-  return rest < 0 ? rest + range : rest;
-}
-
 std::int64_t least(canopen::DataType type) {
   return type == canopen::DataType::integer16 ? std::numeric_limits<std::int16_t>::min()
                                               : std::numeric_limits<std::int32_t>::min();

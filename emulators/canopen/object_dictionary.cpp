@@ -16,7 +16,7 @@ using protocols::store_little;
 
 namespace {
 
-constexpr std::uint32_t kMark = 0x31504F43;          // "COP1"
+constexpr std::uint32_t kStoreMark = 0x31504F43;     // "COP1"
 constexpr std::size_t kRecordBytes = 2 + 1 + 1 + 4;  // index, sub-index, type, value
 
 }  // namespace
@@ -79,7 +79,7 @@ std::vector<std::uint8_t> ObjectDictionary::saved() const {
       content.insert(content.end(), record.begin(), record.end());
     }
   }
-  return seal(kMark, content);
+  return seal(kStoreMark, content);
 }
 
 void ObjectDictionary::load(std::span<const std::uint8_t> block, std::uint16_t first,
@@ -92,7 +92,7 @@ void ObjectDictionary::load(std::span<const std::uint8_t> block, std::uint16_t f
       values_[i] = delivered_[i];
     }
   }
-  const auto content = unseal(kMark, block);
+  const auto content = unseal(kStoreMark, block);
   if (!content || content->size() % kRecordBytes != 0) {
     return;
   }

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include "fields/check.h"
+#include "fields/constants.h"
 #include "fields/visitor.h"
 
 namespace rigwire::emulators {
@@ -21,17 +21,11 @@ using fields::IntegerRule;
 
 namespace {
 
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr std::uint32_t kSingleTurn = 0x0001'0196;  // profile 406
 constexpr std::uint32_t kMultiTurn = 0x0002'0196;
 constexpr std::uint16_t kHardwareError = 0x5000;
-constexpr std::uint8_t kGenericError = 0x81;  // bit 0 generic, bit 7 of the maker
-constexpr const char* kVendorName = "Rigwire";
-
-std::int64_t modulo(std::int64_t value, std::int64_t range) {
-  const std::int64_t rest = value % range;
-  return rest < 0 ? rest + range : rest;
-}
+constexpr std::uint8_t kEncoderGenericError = 0x81;  // bit 0 generic, bit 7 of the maker
+constexpr const char* kEncoderVendorName = "Rigwire";
 
 constexpr std::array<fields::Choice<bool>, 2> kDirections{
     {{false, "clockwise", "Seen against the axis; as delivered by every maker."},
@@ -53,10 +47,10 @@ RotaryEncoder::RotaryEncoder(const RotaryEncoderSettings& settings, NonvolatileM
   dictionary_.set_delivered(object::kEncoderSerial, settings_.serial);
   deliver(settings_, settings_.revolutions > 1 ? kMultiTurn : kSingleTurn,
           settings_.resolution_bits, "cia406-encoder.eds", "Absolute rotary encoder, CiA 406",
-          kVendorName);
-  const double step_rad = kTurn_rad / static_cast<double>(steps());
+          kEncoderVendorName);
+  const double step_rad = kTurn / static_cast<double>(steps());
   const double speed_radps = step_rad * std::numeric_limits<std::int16_t>::max();
-  quantities_ = {{{"position", "rad", 0.0, kTurn_rad * settings_.revolutions, step_rad},
+  quantities_ = {{{"position", "rad", 0.0, kTurn * settings_.revolutions, step_rad},
                   {"speed", "rad/s", -speed_radps, speed_radps, step_rad}}};
 }
 
@@ -95,7 +89,7 @@ void RotaryEncoder::update(const EncoderSample& sample) {
     faulty_ = false;  // told after the boot-up message
   } else if (faulty != faulty_) {
     faulty_ = faulty;
-    node_.report_error(sample.time, faulty ? kHardwareError : 0, faulty ? kGenericError : 0);
+    node_.report_error(sample.time, faulty ? kHardwareError : 0, faulty ? kEncoderGenericError : 0);
   }
   node_.changed(sample.time);
 }
@@ -132,7 +126,7 @@ std::int64_t RotaryEncoder::units(const Scale& scale) const {
   const double sign = (scale.operation & EncoderOperation::kCounterClockwise) != 0 ? 1.0 : -1.0;
   // Steps of the disc from its offset, in the direction of count, modulo the revolutions.
   const double exact =
-      sign * (angle_rad_ - settings_.offset_rad) / kTurn_rad * static_cast<double>(steps());
+      sign * (angle_rad_ - settings_.offset_rad) / kTurn * static_cast<double>(steps());
   const std::int64_t step = modulo(std::llround(exact), steps() * settings_.revolutions);
   // CiA 406 scaling: measuring units per revolution, modulo the total range.
   return modulo(step * scale.units_per_revolution / steps(), scale.total_range);
@@ -154,7 +148,7 @@ std::optional<std::int64_t> RotaryEncoder::live(ObjectAddress address) const {
     const double sign = (present.operation & EncoderOperation::kCounterClockwise) != 0 ? 1.0 : -1.0;
     // Measuring units per second.
     const double speed =
-        sign * rate_radps_ / kTurn_rad * static_cast<double>(present.units_per_revolution);
+        sign * rate_radps_ / kTurn * static_cast<double>(present.units_per_revolution);
     return std::llround(std::clamp(speed, -32768.0, 32767.0));
   }
   if (address == object::kOperatingStatus) {

@@ -23,12 +23,6 @@ using gev::StringFeature;
 using gev::Visibility;
 
 constexpr std::int64_t kWordMaximum = std::numeric_limits<std::uint32_t>::max();
-constexpr double kMicrosecondsPerNanosecond = 1e-3;
-
-double microseconds(Duration span) {
-  return static_cast<double>(span.count()) * kMicrosecondsPerNanosecond;
-}
-
 /// Adds features to a list, category by category.
 class Table {
  public:

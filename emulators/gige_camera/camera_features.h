@@ -28,6 +28,11 @@ inline constexpr double kThroughputMaximum_bps = 1000e6;
 inline constexpr double kFrameRateMinimum_hz = 0.01;
 
 /// Addresses.
+/// Returns `span` in the unit of the camera's times.
+[[nodiscard]] constexpr double microseconds(Duration span) {
+  return static_cast<double>(span.count()) * 1e-3;
+}
+
 namespace camera_register {
 inline constexpr std::uint32_t kSensorWidth = 0xA000;
 inline constexpr std::uint32_t kSensorHeight = 0xA004;

@@ -48,9 +48,6 @@ std::uint32_t chunk_enable_register(CameraChunk chunk) {
   return reg::kChunkEnable + 4 * static_cast<std::uint32_t>(chunk);
 }
 
-double microseconds(Duration span) {
-  return static_cast<double>(span.count()) * 1e-3;
-}
 Duration from_microseconds(double span) {
   return Duration{std::llround(span * 1e3)};
 }

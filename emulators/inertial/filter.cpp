@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "fields/constants.h"
+
 namespace rigwire::emulators {
 namespace {
 
-constexpr double kGravity_mps2 = 9.80665;
 constexpr double kTrustedDeviation_mps2 = 0.05 * kGravity_mps2;
 constexpr double kInitialGainFactor = 10.0;
 

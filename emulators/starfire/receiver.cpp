@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
+#include "fields/constants.h"
 #include "protocols/nmea/satellite_numbers.h"
 #include "protocols/nmea/writers.h"
 
@@ -15,13 +15,12 @@ namespace {
 using namespace std::chrono_literals;
 namespace nmea = protocols::nmea;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr Duration kHundredth = 10ms;
 // Below this speed the course says nothing and is left empty.
 constexpr double kSlowest_mps = 0.1;
 constexpr std::size_t kTransmitBytes = 4096;
 
-constexpr std::array kQuantities{
+constexpr std::array kStarfireQuantities{
     Quantity{"latitude", "deg", -90.0, 90.0, 1e-7 / 60.0},
     Quantity{"longitude", "deg", -180.0, 180.0, 1e-7 / 60.0},
     Quantity{"height above mean sea level", "m", -99'999.999, 99'999.999, 1e-3},
@@ -68,7 +67,7 @@ double StarFireReceiver::nominal_rate_hz() const {
 }
 
 std::span<const Quantity> StarFireReceiver::quantities() const {
-  return kQuantities;
+  return kStarfireQuantities;
 }
 
 SimTime StarFireReceiver::next_event() const {

@@ -5,13 +5,13 @@
 #include <utility>
 
 #include "emulators/ublox/correction_signals.h"
+#include "fields/constants.h"
 
 namespace rigwire::emulators {
 namespace {
 
 namespace rtcm3 = protocols::rtcm3;
 
-constexpr std::int64_t kMillisecond_ns = 1'000'000;
 constexpr std::int64_t kDay_ms = 86'400'000;
 constexpr std::int64_t kWeek_ms = 7 * kDay_ms;
 /// A station whose clock is ahead of ours by more is not believed.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "emulators/ublox/correction_signals.h"
+#include "fields/constants.h"
 #include "protocols/rtcm3/message.h"
 
 namespace rigwire::emulators {
@@ -55,7 +56,6 @@ const UbloxCorrectionSignal* signal_of(const GnssMeasurement& m, rtcm3::MsmSyste
 
 rtcm3::MultipleSignals signals(const UbloxCorrectionContent& content, const Observed& wanted,
                                bool more) {
-  constexpr std::int64_t kMillisecond_ns = 1'000'000;
   rtcm3::MultipleSignals p;
   p.system = wanted.system;
   p.form = wanted.form;
@@ -131,7 +131,6 @@ std::size_t encode_correction(const UbloxCorrectionContent& content, protocols::
     case 1230:  // no bias is known: a mask of zeros, as a ZED-F9T sends
       return rtcm3::encode(rtcm3::GlonassBiases{.station = content.station, .aligned = false}, out);
     default: {
-      constexpr std::int64_t kMillisecond_ns = 1'000'000;
       return rtcm3::encode(
           rtcm3::MovingBase{
               content.station,

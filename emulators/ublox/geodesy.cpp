@@ -1,12 +1,12 @@
 #include "emulators/ublox/geodesy.h"
 
 #include <cmath>
-#include <numbers>
+
+#include "fields/constants.h"
 
 namespace rigwire::emulators {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kSemiMajorAxis_m = 6'378'137.0;
 constexpr double kFlattening = 1.0 / 298.257223563;
 constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);

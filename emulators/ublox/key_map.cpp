@@ -206,7 +206,7 @@ constexpr std::array<Binding, 4> items_of_uart() {
 constexpr auto kAntenna = kMemberOf<&State::antenna, &ubx::CfgAnt::flags>;
 constexpr auto kAntennaPins = kMemberOf<&State::antenna, &ubx::CfgAnt::pins>;
 constexpr auto kPulse = kPulseMember<&ubx::CfgTp5::flags>;
-constexpr auto kSentences = kMemberOf<&State::nmea, &ubx::CfgNmea::flags>;
+constexpr auto kSentenceFlags = kMemberOf<&State::nmea, &ubx::CfgNmea::flags>;
 constexpr auto kSentenceFilter = kMemberOf<&State::nmea, &ubx::CfgNmea::filter>;
 constexpr auto kSystemFilter = kMemberOf<&State::nmea, &ubx::CfgNmea::systems_to_filter>;
 constexpr auto kOdometer = kMemberOf<&State::odometer, &ubx::CfgOdo::flags>;
@@ -255,10 +255,10 @@ constexpr std::array kBindings{
     // NMEA
     nmea_version(0x20930001),
     field<&State::nmea, &ubx::CfgNmea::maximum_satellites>(0x20930002),
-    bits<kSentences, 0>(0x10930003),
-    bits<kSentences, 1>(0x10930004),
-    bits<kSentences, 2>(0x10930005),
-    bits<kSentences, 3>(0x10930006),
+    bits<kSentenceFlags, 0>(0x10930003),
+    bits<kSentenceFlags, 1>(0x10930004),
+    bits<kSentenceFlags, 2>(0x10930005),
+    bits<kSentenceFlags, 3>(0x10930006),
     field<&State::nmea, &ubx::CfgNmea::satellite_numbering>(0x20930007),
     bits<kSystemFilter, 0>(0x10930011),
     bits<kSystemFilter, 1>(0x10930012),

@@ -6,6 +6,7 @@
 #include "emulators/random_bits.h"
 #include "emulators/ublox/geodesy.h"
 #include "emulators/ublox/wire_units.h"
+#include "fields/constants.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/blocks.h"
 #include "protocols/ubx/configuration.h"
@@ -185,7 +186,6 @@ std::optional<TimTp> next_pulse(const UbloxMonitorView& view) {
 
 TimTm2 time_mark(const UbloxMonitorView& view) {
   const UbloxTimeMark& mark = view.mark;
-  constexpr std::int64_t kMillisecond_ns = 1'000'000;
   TimTm2 m;
   constexpr std::uint8_t kGnssTime = 1 << 3;
   m.flags = static_cast<std::uint8_t>(

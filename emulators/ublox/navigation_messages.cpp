@@ -9,6 +9,7 @@
 #include "emulators/ublox/geodesy.h"
 #include "emulators/ublox/signals.h"
 #include "emulators/ublox/wire_units.h"
+#include "fields/constants.h"
 #include "protocols/ubx/blocks.h"
 #include "protocols/ubx/precise_position.h"
 
@@ -17,11 +18,7 @@ namespace {
 
 using namespace protocols::ubx;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kFrequencyAccuracy = 1e-9;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kDay_s = 86'400;
-constexpr std::int64_t kWeek_s = 7 * kDay_s;
 constexpr std::size_t kMostSatellites = 64;
 static_assert(frame_size<NavSatHead, NavSatBlock>(kMostSatellites) <= kLongestNavigationFrame);
 constexpr std::size_t kMostSignals = 120;  // section 3.15.21

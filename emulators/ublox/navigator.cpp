@@ -4,13 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "fields/constants.h"
+
 namespace rigwire::emulators {
 namespace {
 
 using namespace std::chrono_literals;
 using protocols::ubx::CfgNav5;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 // Course is frozen below this speed or above this uncertainty.
 constexpr double kFrozenSpeed_mps = 0.1;
@@ -68,7 +69,7 @@ std::uint32_t milliseconds(Duration span) {
   return static_cast<std::uint32_t>(span / 1ms);
 }
 
-bool is_used(const SatelliteView& view) {
+bool is_satellite_used(const SatelliteView& view) {
   return view.used;
 }
 
@@ -351,7 +352,7 @@ int UbloxNavigator::dimensions_of(const GnssSample& sample,
                                   const UbloxConfiguration& configuration) const {
   const auto& limits = configuration.navigation();
   const auto& satellites = solution_.satellites;
-  const auto used = std::ranges::count_if(satellites, is_used);
+  const auto used = std::ranges::count_if(satellites, is_satellite_used);
   int dimensions = sample.fix == GnssFix::three_d ? 3 : sample.fix == GnssFix::two_d ? 2 : 0;
   if (limits.fix_mode == kOnly2d) {
     dimensions = std::min(dimensions, 2);
@@ -427,7 +428,7 @@ void UbloxNavigator::take(const GnssSample& sample, const UbloxConfiguration& co
 
 void UbloxNavigator::take_dilutions(const GnssSample& sample) {
   UbloxSolution& s = solution_;
-  auto used = static_cast<int>(std::ranges::count_if(s.satellites, is_used));
+  auto used = static_cast<int>(std::ranges::count_if(s.satellites, is_satellite_used));
   // Just before the first fix: three orbits are there, and their geometry.
   const bool preliminary =
       s.orbits_known && sample.time - searching_ < time_to_first_fix_ && used >= 3;
@@ -442,7 +443,7 @@ void UbloxNavigator::take_dilutions(const GnssSample& sample) {
   s.satellites_used = used;
   const bool shown = s.dimensions > 0 || preliminary;
   dilution_ratio_ = {1.0, 1.0, 1.0};
-  const auto of_sample = std::ranges::count_if(sample.satellites, is_used);
+  const auto of_sample = std::ranges::count_if(sample.satellites, is_satellite_used);
   const bool fewer = shown && used < of_sample;
   if (fewer) {
     const auto here = geometry_of(s.satellites);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "emulators/ublox/wire_units.h"
+#include "fields/constants.h"
 #include "protocols/nmea/satellite_numbers.h"
 
 namespace rigwire::emulators {
@@ -13,7 +13,6 @@ namespace {
 namespace nmea = protocols::nmea;
 namespace ubx = protocols::ubx;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::int64_t kHundredth_ns = 10'000'000;
 
 // CFG-NMEA filter.

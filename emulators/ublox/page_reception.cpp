@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "emulators/gps_broadcast.h"
+#include "fields/constants.h"
 #include "protocols/beidou/subframe.h"
 #include "protocols/galileo/page.h"
 #include "protocols/glonass/string.h"
@@ -19,9 +20,6 @@ namespace galileo = protocols::galileo;
 namespace glonass = protocols::glonass;
 namespace gps = protocols::gps;
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kWeek_s = 604'800;
-constexpr std::int64_t kDay_s = 86'400;
 constexpr std::int64_t kMoscow_s = 3 * 3'600;
 /// Epochs lie within so much of the full second.
 constexpr std::int64_t kTolerance_ns = 1'000'000;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "emulators/ublox/signals.h"
+#include "fields/constants.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/blocks.h"
 
@@ -18,7 +19,6 @@ using ubx::MessageId;
 constexpr MessageId kRxmAlm{0x02, 0x30};
 constexpr MessageId kRxmEph{0x02, 0x31};
 
-constexpr std::int64_t kMillisecond_ns = 1'000'000;
 constexpr double kL1_hz = 1'575.42e6;
 constexpr double kCyclesPerMillisecond = kL1_hz * 1e-3;
 
@@ -119,9 +119,9 @@ void say_orbits(const SubframeReception& reception, const GpsTime& now, ubx::Rxm
   }
   block.flags = 0;
   if (almanac) {
-    constexpr double kDay_s = 86'400.0;
+    constexpr double kAgeUnit_s = 86'400.0;
     block.flags |= kAlmanacKnown;
-    block.age |= age_of(now, almanac->week, almanac->almanac_time_s, kDay_s);
+    block.age |= age_of(now, almanac->week, almanac->almanac_time_s, kAgeUnit_s);
   }
   if (ephemeris) {
     constexpr double kHour_s = 3600.0;

@@ -9,6 +9,7 @@
 #include "emulators/ublox/geodesy.h"
 #include "emulators/ublox/navigation_messages.h"
 #include "emulators/ublox/nmea_epoch.h"
+#include "fields/constants.h"
 #include "protocols/nmea/writers.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/identity.h"
@@ -299,7 +300,6 @@ void UbloxReceiver::solve(SimTime now) {
     faults.leap_error_s = leap->seconds;
   }
   const ubx::CfgRate& rate = configuration_.rate();
-  constexpr std::int64_t kMillisecond_ns = 1'000'000;
   const std::int64_t measurement = (calendar_.gps(latest_.time).time_of_week_ns + kMillisecond_ns) /
                                    (std::int64_t{rate.measurement_period_ms} * kMillisecond_ns);
   const bool navigates = measurement % rate.navigation_ratio == 0;

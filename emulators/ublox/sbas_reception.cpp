@@ -2,24 +2,24 @@
 
 #include <algorithm>
 
+#include "fields/constants.h"
+
 namespace rigwire::emulators {
 namespace {
 
 namespace sbas = protocols::sbas;
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kWeek_s = 604'800;
 /// Epochs lie within so much of the full second.
-constexpr std::int64_t kTolerance_ns = 1'000'000;
+constexpr std::int64_t kSbasTolerance_ns = 1'000'000;
 /// Messages that one epoch brings at most of one satellite: epochs are up to 65 s apart.
-constexpr std::int64_t kMostSeconds = 66;
+constexpr std::int64_t kSbasMostSeconds = 66;
 /// Channels after those that GPS may take.
 constexpr std::uint8_t kFirstChannel = 32;
 
 }  // namespace
 
 SbasReception::SbasReception() {
-  messages_.reserve(static_cast<std::size_t>(kMostSeconds) * 8);
+  messages_.reserve(static_cast<std::size_t>(kSbasMostSeconds) * 8);
 }
 
 void SbasReception::begin() {
@@ -45,13 +45,13 @@ void SbasReception::update(const GnssSample& sample, const GpsTime& now) {
   for (std::size_t i = 0; i < kSatellites; ++i) {
     Channel& channel = channels_[i];
     if (tracked[i] && !channel.tracked) {
-      channel.first_whole_s = (now_ns - kTolerance_ns + kSecond_ns - 1) / kSecond_ns;
+      channel.first_whole_s = (now_ns - kSbasTolerance_ns + kSecond_ns - 1) / kSecond_ns;
     }
     channel.tracked = tracked[i];
   }
-  const std::int64_t seconds = (now_ns + kTolerance_ns) / kSecond_ns;
+  const std::int64_t seconds = (now_ns + kSbasTolerance_ns) / kSecond_ns;
   const std::int64_t from =
-      seconds_done_ < 0 ? seconds : std::max(seconds_done_, seconds - kMostSeconds);
+      seconds_done_ < 0 ? seconds : std::max(seconds_done_, seconds - kSbasMostSeconds);
   for (std::int64_t second = from; second < seconds; ++second) {
     for (std::size_t i = 0; i < kSatellites; ++i) {
       if (channels_[i].tracked && second >= channels_[i].first_whole_s) {

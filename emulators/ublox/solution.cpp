@@ -2,13 +2,14 @@
 
 #include <chrono>
 
+#include "fields/constants.h"
+
 namespace rigwire::emulators {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::int64_t kMillisecond_ns = 1'000'000;
-constexpr std::int64_t kHundredth_ns = 10 * kMillisecond_ns;
+constexpr std::int64_t kCentisecond_ns = 10 * kMillisecond_ns;
 constexpr Duration kWeek = 24h * 7;
 constexpr std::int32_t kWeeksBroadcast = 1024;
 
@@ -25,7 +26,7 @@ UtcTime since_epoch(std::uint32_t milliseconds) {
   utc.hour = seconds / 3600 % 24;
   utc.minute = seconds / 60 % 60;
   utc.second = seconds % 60;
-  utc.nanosecond = static_cast<std::int32_t>(milliseconds % 1000 / 10 * kHundredth_ns);
+  utc.nanosecond = static_cast<std::int32_t>(milliseconds % 1000 / 10 * kCentisecond_ns);
   return utc;
 }
 
@@ -69,7 +70,7 @@ void set_time(UbloxSolution& s, const Calendar& calendar, const UbloxTimeBase& b
   const SimTime shifted = measured + s.week_shift * kWeek;
   const SimTime shown =
       shifted + std::chrono::seconds{calendar.leap_seconds(shifted) - s.leap_seconds};
-  const std::int64_t rest = above(calendar.gps(shown).time_of_week_ns, kHundredth_ns);
+  const std::int64_t rest = above(calendar.gps(shown).time_of_week_ns, kCentisecond_ns);
   s.utc = calendar.utc(shown - Duration{rest});
   s.utc_rest_ns = static_cast<std::int32_t>(s.utc.nanosecond + rest);
   if (!s.date_known) {

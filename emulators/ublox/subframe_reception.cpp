@@ -3,13 +3,13 @@
 #include <algorithm>
 
 #include "emulators/gps_broadcast.h"
+#include "fields/constants.h"
 
 namespace rigwire::emulators {
 namespace {
 
 namespace gps = protocols::gps;
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kWeek_ns = gps::kWeekSeconds * kSecond_ns;
 constexpr std::int64_t kStep_ns = gps::kStepSeconds * kSecond_ns;
 /// Epochs lie within so much of the full second.

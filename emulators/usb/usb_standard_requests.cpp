@@ -130,7 +130,7 @@ UsbStandardRequests::Answer UsbStandardRequests::status(const Setup& setup) {
 UsbStandardRequests::Answer UsbStandardRequests::feature(const Setup& setup, bool on) {
   const bool endpoint_zero = (setup.index & 0xFF7FU) == 0;  // halt means nothing there: 9.4.5
   if (!is_for(setup, Recipient::endpoint) ||
-      setup.value != static_cast<std::uint16_t>(Feature::endpoint_halt) ||
+      setup.value != static_cast<std::uint16_t>(protocols::usb::Feature::endpoint_halt) ||
       (!endpoint_zero && !has_endpoint(setup.index))) {
     return kStall;
   }

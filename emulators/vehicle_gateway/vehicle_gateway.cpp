@@ -23,7 +23,7 @@ constexpr vehicle::Group every(vehicle::Group group, std::chrono::milliseconds p
 }
 
 using namespace std::chrono_literals;
-constexpr std::array kSchedule{
+constexpr std::array kGatewaySchedule{
     VehicleReport::Entry{every(vehicle::VehiclePosition::kGroup, 1s), 12},
     VehicleReport::Entry{every(vehicle::VehicleDirectionSpeed::kGroup, 1s), 22},
     VehicleReport::Entry{every(vehicle::VehiclePosition2::kGroup, 5s), 32},
@@ -90,7 +90,7 @@ OwnedMessage scheduled(const vehicle::LayoutEnds& ends,
 }  // namespace
 
 std::span<const VehicleReport::Entry> VehicleSatellites::schedule() {
-  return kSchedule;
+  return kGatewaySchedule;
 }
 
 void VehicleSatellites::take(const GnssSample& sample) {

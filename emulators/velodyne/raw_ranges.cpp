@@ -1,15 +1,12 @@
 #include "emulators/velodyne/raw_ranges.h"
 
-#include <numbers>
-
+#include "fields/constants.h"
 #include "sim/samples/wide_vectors.h"
 
 namespace rigwire::emulators {
 namespace {
 
 namespace velodyne = protocols::velodyne;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 }  // namespace
 

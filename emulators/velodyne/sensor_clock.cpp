@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "fields/constants.h"
+
 namespace rigwire::emulators {
 
 void SensorClock::set(SimTime now, std::int64_t hour_ns) {
@@ -10,7 +12,6 @@ void SensorClock::set(SimTime now, std::int64_t hour_ns) {
 }
 
 void SensorClock::set_to_whole_second(SimTime pulse) {
-  constexpr std::int64_t kSecond_ns = 1'000'000'000;
   set(pulse, (hour_ns(pulse) + kSecond_ns / 2) / kSecond_ns * kSecond_ns);
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fields/constants.h"
+
 namespace rigwire::emulators {
 
 namespace velodyne = protocols::velodyne;
@@ -11,8 +13,6 @@ using velodyne::ReturnMode;
 
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kCountsPerRadian = 100.0 / kDegree;
 constexpr int kTurnCounts = velodyne::kAzimuthCounts;
 /// Temperature that the boards report.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "fields/check.h"
+#include "fields/constants.h"
 #include "fields/visitor.h"
 
 namespace rigwire::emulators {
@@ -19,7 +20,6 @@ using xsens::StatusBit;
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kGravity_mps2 = 9.80665;
 constexpr double kPeriod_s = 1.0 / kMtiSamplesPerSecond;
 
 bool finite(const Triad& v) {

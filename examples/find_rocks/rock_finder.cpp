@@ -24,7 +24,7 @@ constexpr double kPixelSigmas = 2.0;
 constexpr double kHeapSigmas = 3.5;
 constexpr double kLeastDisparity_px = 6.0;
 constexpr double kFullContrastSigmas = 6.0;
-constexpr double kRoughness_m = 0.08;
+constexpr double kSurfaceRoughness_m = 0.08;
 /// Neighbours of one heap differ by no more than this share of their disparity, plus noise.
 constexpr double kSameSurface = 0.03;
 constexpr double kSameSurface_px = 0.5;
@@ -114,7 +114,8 @@ class Finder {
           continue;
         }
         const auto below = ground_.height_m(place);
-        const double limit = kRoughness_m + kPixelSigmas * ground_.height_sigma_m(place.ahead_m);
+        const double limit =
+            kSurfaceRoughness_m + kPixelSigmas * ground_.height_sigma_m(place.ahead_m);
         if (below && place.height_m - *below > limit) {
           height_m_[index(u, v)] = static_cast<float>(place.height_m - *below);
         }
@@ -194,7 +195,7 @@ class Finder {
                      rock.area.right >= matched_.right || rock.area.bottom >= matched_.bottom;
     const bool small = rock.width_m < kLeastWidthShare * settings_.least_m ||
                        rock.height_m < std::max(kLeastHeightShare * settings_.least_m,
-                                                kRoughness_m + kHeapSigmas * sigma_m);
+                                                kSurfaceRoughness_m + kHeapSigmas * sigma_m);
     const bool flat = rock.height_m < kLeastSlenderness * rock.width_m;
     const bool tall = rock.height_m > kMostSlenderness * rock.width_m;
     const bool large = rock.width_m > settings_.largest_m || rock.height_m > settings_.largest_m;
@@ -223,7 +224,7 @@ class Finder {
 }  // namespace
 
 double resolvable_m(const RockSettings& settings, double focal_baseline, double camera_height_m) {
-  const double above_m = std::max(0.0, kUsualHeightShare * settings.least_m - kRoughness_m);
+  const double above_m = std::max(0.0, kUsualHeightShare * settings.least_m - kSurfaceRoughness_m);
   return std::min({settings.ground.farthest_m, focal_baseline / kLeastDisparity_px,
                    above_m * focal_baseline /
                        (kHeapSigmas * settings.ground.disparity_sigma_px * camera_height_m)});

@@ -6,10 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <utility>
 
 #include "fields/check.h"
+#include "fields/constants.h"
 #include "fields/units.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
@@ -51,7 +51,6 @@ std::string and_range(const std::string& units, const std::string& range) {
 /// What is meant by turns per second where an angular rate is asked for, or the other way round:
 /// "20 Hz" is "1200 rpm". Empty for other units.
 std::string by_the_turn(const fields::Quantity& quantity, const NumberRule& rule) {
-  constexpr double kTurn_rad = 2.0 * std::numbers::pi;
   const auto meant = [&](Dimension written, double factor) -> std::string {
     const Unit* unit = fields::find_unit(quantity.unit, written);
     if (unit == nullptr) {
@@ -63,9 +62,9 @@ std::string by_the_turn(const fields::Quantity& quantity, const NumberRule& rule
   };
   switch (rule.written().dimension) {
     case Dimension::angular_rate:
-      return meant(Dimension::frequency, kTurn_rad);
+      return meant(Dimension::frequency, kTurn);
     case Dimension::frequency:
-      return meant(Dimension::angular_rate, 1.0 / kTurn_rad);
+      return meant(Dimension::angular_rate, 1.0 / kTurn);
     default:
       return {};
   }

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "drivers/endpoints.h"
+#include "hil/configuration/build_facts.h"
 
 namespace rigwire::hil {
 namespace {
@@ -61,7 +62,7 @@ fs::path page_folder() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   fs::path installed = program.parent_path().parent_path() / "share/rigwire/dashboard";
-  return fs::is_directory(installed, error) ? installed : fs::path(RIGWIRE_DASHBOARD_DIR);
+  return fs::is_directory(installed, error) ? installed : fs::path(source_page());
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "drivers/endpoints.h"
+#include "hil/configuration/build_facts.h"
 #include "hil/control/desk.h"
 #include "hil/record/recorder.h"
 #include "hil/rig/private_wires.h"
@@ -34,9 +35,8 @@ bool is_paced(const RecordedRun& run) {
 
 void tell_origin(const RecordedRun& run, const std::string& hash,
                  std::vector<std::string>& remarks) {
-  if (run.version != RIGWIRE_VERSION) {
-    remarks.push_back(
-        fmt::format("recorded by rigwire {}, this is {}", run.version, RIGWIRE_VERSION));
+  if (run.version != version()) {
+    remarks.push_back(fmt::format("recorded by rigwire {}, this is {}", run.version, version()));
   }
   if (run.config_hash != hash) {
     remarks.push_back(fmt::format(

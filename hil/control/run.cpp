@@ -17,6 +17,7 @@
 #include "drivers/endpoints.h"
 #include "drivers/loopback_claims.h"
 #include "fields/check.h"
+#include "hil/configuration/build_facts.h"
 #include "hil/control/dashboard.h"
 #include "hil/control/desk.h"
 #include "hil/control/ready.h"
@@ -185,7 +186,7 @@ std::unique_ptr<Recorder> make_recorder(const RigConfiguration& configuration,
     make_new_folder("--record", options.record.folder);  // before a wire is opened
   }
   RecordedRun run;
-  run.version = RIGWIRE_VERSION;
+  run.version = version();
   run.rig = configuration.name;
   run.seed = configuration.seed;
   run.config_hash = hash;

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "emulators/dbc_node/quantities.h"
+#include "fields/constants.h"
 #include "fields/units.h"
 #include "fields/visitor.h"
 #include "hil/configuration/document.h"
@@ -45,10 +46,6 @@ constexpr std::array<Choice<DbcSendingBinding>, 6> kSendings{
      {DbcSendingBinding::on_request, "on_request",
       "When a remote frame, or a J1939 request for its group, asks for it."},
      {DbcSendingBinding::never, "never", "Not at all."}}};
-
-constexpr std::int64_t kHour_ns = 3'600'000'000'000;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kMillisecond_ns = 1'000'000;
 
 /// Units as DBC files spell them, beside those of fields/units.h.
 struct Spelling {

@@ -10,14 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "fields/constants.h"
 #include "protocols/bytes.h"
 #include "protocols/velodyne/position_packet.h"
 
 namespace rigwire::hil {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kHour_ns = 3600 * kSecond_ns;
 constexpr std::int64_t kLooked_ns = 60 * kSecond_ns;
 /// Stamps from there on (2001-09-09) count from 1970.
 constexpr std::int64_t kLeastAbsolute_ns = 1'000'000'000 * kSecond_ns;

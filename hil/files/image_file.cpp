@@ -13,7 +13,7 @@
 namespace rigwire::hil {
 namespace {
 
-constexpr std::size_t kMostPixels = 16384;
+constexpr std::size_t kMostPixelsAcross = 16384;
 
 /// Bytes of which one byte of deflate can tell: 258 by two bits (RFC 1951, 3.2.5 and 3.2.7).
 constexpr std::size_t kMostExpansion = 258 * 4;
@@ -49,7 +49,7 @@ bool decode(png_structp png, png_infop info, Image& image, std::vector<std::uint
   if (setjmp(png_jmpbuf(png)) != 0) {  // NOLINT: the library's way
     return false;
   }
-  png_set_user_limits(png, kMostPixels, kMostPixels);
+  png_set_user_limits(png, kMostPixelsAcross, kMostPixelsAcross);
   png_read_info(png, info);
   // Before anything is made room for: what a header may claim is 2 GB, whatever follows it.
   const auto& reading = *static_cast<const Reading*>(png_get_io_ptr(png));
@@ -127,7 +127,8 @@ Image decode_png(std::span<const std::uint8_t> bytes, const std::string& who) {
   const bool good = decode(png, info, image, pixels, rows);
   png_destroy_read_struct(&png, &info, nullptr);
   if (!good) {
-    throw std::invalid_argument(who + "is damaged, or larger than " + std::to_string(kMostPixels) +
+    throw std::invalid_argument(who + "is damaged, or larger than " +
+                                std::to_string(kMostPixelsAcross) +
                                 " pixels along a side: " + reading.error);
   }
   const std::size_t count = image.columns * image.rows * image.channels;
@@ -150,9 +151,9 @@ Image read_png(const std::filesystem::path& file, const std::string& who) {
 }
 
 std::vector<std::uint8_t> encode_png(const Image& image) {
-  const bool shaped = image.columns > 0 && image.rows > 0 && image.columns <= kMostPixels &&
-                      image.rows <= kMostPixels && image.channels >= 1 && image.channels <= 4 &&
-                      (image.bits == 8 || image.bits == 16) &&
+  const bool shaped = image.columns > 0 && image.rows > 0 && image.columns <= kMostPixelsAcross &&
+                      image.rows <= kMostPixelsAcross && image.channels >= 1 &&
+                      image.channels <= 4 && (image.bits == 8 || image.bits == 16) &&
                       image.samples.size() == image.columns * image.rows * image.channels;
   if (!shaped) {
     throw std::invalid_argument("an image of " + std::to_string(image.columns) + " x " +

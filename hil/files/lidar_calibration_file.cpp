@@ -38,7 +38,7 @@ constexpr std::array<Member, 9> kMembers{
      {"focal_distance", &Hdl64eLaser::focal_distance_m},
      {"focal_slope", &Hdl64eLaser::focal_slope}}};
 
-struct Reader {
+struct CalibrationReader {
   const std::string& path;
 
   [[noreturn]] void refuse(const YAML::Mark& mark, const std::string& what) const {
@@ -139,7 +139,7 @@ struct Reader {
 }  // namespace
 
 Hdl64eCalibration load_lidar_calibration(const std::string& path) {
-  const Reader reader{path};
+  const CalibrationReader reader{path};
   Hdl64eCalibration calibration;
   try {
     calibration = reader.calibration(YAML::LoadFile(path));

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,12 +15,11 @@
 #include <utility>
 #include <vector>
 
+#include "fields/constants.h"
 #include "hil/files/mcap_file.h"
 
 namespace rigwire::hil {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 class CsvMotion {
  public:

@@ -14,6 +14,7 @@
 #include <system_error>
 #include <utility>
 
+#include "fields/constants.h"
 #include "hil/files/capture_file.h"
 #include "protocols/bytes.h"
 #include "protocols/can/frame_text.h"
@@ -24,12 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 namespace pcapng = protocols::pcapng;
-
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-
-[[noreturn]] void refuse(const std::string& file, const std::string& why) {
-  throw std::invalid_argument(fmt::format("source.file: {}: {}", file, why));
-}
 
 std::ifstream open_file(const fs::path& path) {
   errno = 0;
@@ -187,7 +182,7 @@ class CandumpReader final : public ReplayReader {
           truncated_ = true;
           return false;
         }
-        refuse(settings_.file, fmt::format("line {}: no line of candump -L", number_));
+        refuse_replayed(settings_.file, fmt::format("line {}: no line of candump -L", number_));
       }
       const std::string bus = line.substr(close + 2, name - close - 2);
       if (!settings_.wire.empty() && bus != settings_.wire) {
@@ -243,8 +238,8 @@ class IndexedReader final : public ReplayReader {
           truncated_ = true;
           return false;
         }
-        refuse(index_path_.string(),
-               fmt::format("line {}: allowed SECONDS > OFFSET LENGTH", number_));
+        refuse_replayed(index_path_.string(),
+                        fmt::format("line {}: allowed SECONDS > OFFSET LENGTH", number_));
       }
       unit.bytes.resize(length);
       bytes_.clear();
@@ -285,9 +280,10 @@ class LogReader final : public ReplayReader {
       at += size;
     }
     if (!any) {
-      refuse(settings.file,
-             "nothing tells when it was: found no capture, no candump log, no index beside it, no "
-             "time in GGA, RMC, GLL, ZDA or in UBX NAV");
+      refuse_replayed(
+          settings.file,
+          "nothing tells when it was: found no capture, no candump log, no index beside it, no "
+          "time in GGA, RMC, GLL, ZDA or in UBX NAV");
     }
   }
 
@@ -377,11 +373,15 @@ class LogReader final : public ReplayReader {
 
 }  // namespace
 
+void refuse_replayed(const std::string& file, const std::string& why) {
+  throw std::invalid_argument(fmt::format("source.file: {}: {}", file, why));
+}
+
 std::unique_ptr<ReplayReader> open_replay_reader(const ReplaySourceSettings& settings) {
   std::ifstream file = open_file(settings.file);
   const int first = file.get();
   if (first == std::ifstream::traits_type::eof()) {
-    refuse(settings.file, "the file is empty");
+    refuse_replayed(settings.file, "the file is empty");
   }
   if (CaptureFile::is_one(settings.file)) {
     return std::make_unique<CaptureReader>(settings);

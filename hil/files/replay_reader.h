@@ -31,6 +31,9 @@
 
 namespace rigwire::hil {
 
+/// Throws std::invalid_argument about the file of a source's key `file`.
+[[noreturn]] void refuse_replayed(const std::string& file, const std::string& why);
+
 enum class ReplayedKind : std::uint8_t { bytes, datagrams, frames };
 enum class ReplayedGaps : std::uint8_t { keep, cut };
 inline constexpr std::array<fields::Choice<ReplayedGaps>, 2> kReplayedGaps{

@@ -8,17 +8,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fields/constants.h"
+
 namespace rigwire::hil {
-namespace {
-
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-
-[[noreturn]] void refuse(const std::string& file, const std::string& why) {
-  throw std::invalid_argument(fmt::format("source.file: {}: {}", file, why));
-}
-
-}  // namespace
-
 ReplaySource::ReplaySource(const ReplaySourceSettings& settings,
                            std::optional<std::int64_t> zero_ns)
     : settings_(settings), given_zero_ns_(zero_ns) {
@@ -31,7 +23,7 @@ ReplaySource::ReplaySource(const ReplaySourceSettings& settings,
       first = at;
       summary_.kind = reader_->kind();
     } else if (summary_.kind != reader_->kind()) {
-      refuse(settings_.file, "units of two kinds; name the wire");
+      refuse_replayed(settings_.file, "units of two kinds; name the wire");
     }
     ++summary_.units;
     summary_.bytes += unit_.bytes.size();
@@ -42,7 +34,8 @@ ReplaySource::ReplaySource(const ReplaySourceSettings& settings,
   }
   summary_.truncated = reader_->truncated();
   if (summary_.units == 0) {
-    refuse(settings_.file, "nothing in it can be played (source.wire, filter, start, end)");
+    refuse_replayed(settings_.file,
+                    "nothing in it can be played (source.wire, filter, start, end)");
   }
   // Until the first unit comes again: the piece's own length, or that of its units and a mean gap.
   round_ = settings_.end != Duration{0}
@@ -50,7 +43,7 @@ ReplaySource::ReplaySource(const ReplaySourceSettings& settings,
                : at + summary_.length /
                           static_cast<std::int64_t>(std::max<std::uint64_t>(summary_.units - 1, 1));
   if (settings_.loop && round_ <= Duration{0}) {
-    refuse(settings_.file, "a piece of one instant has no length to be repeated (loop)");
+    refuse_replayed(settings_.file, "a piece of one instant has no length to be repeated (loop)");
   }
   rewind();
 }
@@ -74,9 +67,10 @@ bool ReplaySource::next_of_piece(Duration& at) {
     }
     if (now_ns < last_ns_) {
       if (last_ns_ - now_ns > kSecond_ns) {
-        refuse(settings_.file, fmt::format("time goes back by {:.6f} s, {:.6f} s behind its start",
-                                           1e-9 * static_cast<double>(last_ns_ - now_ns),
-                                           1e-9 * static_cast<double>(last_ns_ - zero_ns_)));
+        refuse_replayed(settings_.file,
+                        fmt::format("time goes back by {:.6f} s, {:.6f} s behind its start",
+                                    1e-9 * static_cast<double>(last_ns_ - now_ns),
+                                    1e-9 * static_cast<double>(last_ns_ - zero_ns_)));
       }
       ++summary_.went_back;
       now_ns = last_ns_;

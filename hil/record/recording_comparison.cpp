@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 namespace pcapng = protocols::pcapng;
-using Json = nlohmann::json;
+using PlainJson = nlohmann::json;
 
 /// How much of a serial line before a difference, and behind it, is looked at for its message.
 constexpr std::size_t kContext = 4096;
@@ -193,11 +193,11 @@ class StreamComparison {
 constexpr std::array<std::string_view, 3> kComparedTopics{"/truth", "/tf", "/antenna"};
 
 /// The key path at which two values differ first; empty: they are equal.
-std::string different_key(const Json& left, const Json& right, const std::string& path,
+std::string different_key(const PlainJson& left, const PlainJson& right, const std::string& path,
                           std::string& values) {
   if (left.is_object() && right.is_object()) {
     for (const auto& [key, value] : left.items()) {
-      const Json other = right.contains(key) ? right.at(key) : Json();
+      const PlainJson other = right.contains(key) ? right.at(key) : PlainJson();
       std::string below =
           different_key(value, other, path + (path.empty() ? "" : ".") + key, values);
       if (!below.empty()) {
@@ -261,8 +261,8 @@ void compare_truth(const fs::path& recorded, const fs::path& found, SimTime end,
       return;
     }
     std::string values;
-    const std::string key = different_key(Json::parse(firsts[topic]->text, nullptr, false),
-                                          Json::parse(text, nullptr, false), "", values);
+    const std::string key = different_key(PlainJson::parse(firsts[topic]->text, nullptr, false),
+                                          PlainJson::parse(text, nullptr, false), "", values);
     streams[topic].difference = {
         firsts[topic]->at,
         key.empty() ? "recorded at another instant, " + in_seconds(at) : key + ": " + values};

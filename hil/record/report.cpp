@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "hil/configuration/build_facts.h"
+
 namespace rigwire::hil {
 namespace {
 
@@ -49,7 +51,7 @@ Json lateness_json(const LatencyClasses& classes) {
 std::string to_json(const RunReport& report) {
   Json json;
   json["rig"] = report.rig;
-  json["version"] = RIGWIRE_VERSION;
+  json["version"] = version();
   json["seed"] = report.seed;
   json["config_hash"] = report.config_hash;
   json["clock"] = to_string(report.clock);
@@ -169,7 +171,7 @@ std::string to_prometheus(const RunReport& report) {
   MetricsText text;
   text.begin("run_info", "gauge", "Which run it is.");
   text.sample({{"rig", report.rig},
-               {"version", RIGWIRE_VERSION},
+               {"version", version()},
                {"seed", std::to_string(report.seed)},
                {"config_hash", report.config_hash},
                {"clock", to_string(report.clock)}},

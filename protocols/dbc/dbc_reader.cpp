@@ -10,15 +10,15 @@
 #include <tuple>
 #include <utility>
 
+#include "protocols/dbc/words.h"
+
 namespace rigwire::protocols::dbc {
 namespace {
 
-constexpr std::uint32_t kExtendedFlag = 0x80000000U;
 constexpr std::uint32_t kGreatestBase = 0x7FFU;
 constexpr std::uint32_t kGreatestExtended = 0x1FFFFFFFU;
 /// The message that collects signals without one, in files of Vector's tools.
 constexpr std::uint32_t kIndependentSignals = 0xC0000000U;
-constexpr std::string_view kNobody = "Vector__XXX";
 constexpr unsigned kMostBits = 64;
 constexpr std::size_t kMostFindings = 100;
 constexpr std::size_t kMostSignals = 1024;

@@ -9,15 +9,13 @@
 #include <set>
 #include <vector>
 
+#include "protocols/dbc/words.h"
+
 namespace rigwire::protocols::dbc {
 namespace {
 
 using can::OwnedMessage;
 using can::OwnedSignal;
-
-constexpr std::uint32_t kExtendedFlag = 0x80000000U;
-/// Who sends what no node sends.
-constexpr std::string_view kNobody = "Vector__XXX";
 
 /// Shortest text that reads back as the same number.
 std::string number_text(double value) {

@@ -15,9 +15,9 @@ constexpr std::uint32_t kPacketMask = 0x00FF'FFFF;
 constexpr std::uint64_t k48Bits = (std::uint64_t{1} << 48U) - 1;
 
 // Offsets in the header.
-constexpr std::size_t kStatusAt = 0;
-constexpr std::size_t kBlockAt = 2;  // short identifiers
-constexpr std::size_t kFlagsAt = 2;  // extended identifiers
+constexpr std::size_t kBlockStatusAt = 0;
+constexpr std::size_t kBlockAt = 2;       // short identifiers
+constexpr std::size_t kBlockFlagsAt = 2;  // extended identifiers
 constexpr std::size_t kFormatAt = 4;
 constexpr std::size_t kExtendedPartsAt = 7;
 constexpr std::size_t kExtendedBlockAt = 8;
@@ -38,12 +38,6 @@ constexpr std::size_t kPartPurposeAt = 20;
 constexpr std::size_t kPartRegionAt = 22;
 constexpr std::size_t kPartGeometryAt = 24;
 
-std::uint16_t half(Bytes bytes, std::size_t at) {
-  return load_big<std::uint16_t>(bytes, at);
-}
-std::uint32_t word(Bytes bytes, std::size_t at) {
-  return load_big<std::uint32_t>(bytes, at);
-}
 std::uint64_t long_word(Bytes bytes, std::size_t at) {
   return load_big<std::uint64_t>(bytes, at);
 }
@@ -60,12 +54,12 @@ void write_geometry(std::span<std::uint8_t> out, const Leader& leader) {
 }
 template <class Leader>
 void read_geometry(Bytes bytes, Leader& leader) {
-  leader.width = word(bytes, 0);
-  leader.height = word(bytes, 4);
-  leader.offset_x = word(bytes, 8);
-  leader.offset_y = word(bytes, 12);
-  leader.padding_x = half(bytes, 16);
-  leader.padding_y = half(bytes, 18);
+  leader.width = load_big<std::uint32_t>(bytes, 0);
+  leader.height = load_big<std::uint32_t>(bytes, 4);
+  leader.offset_x = load_big<std::uint32_t>(bytes, 8);
+  leader.offset_y = load_big<std::uint32_t>(bytes, 12);
+  leader.padding_x = load_big<std::uint16_t>(bytes, 16);
+  leader.padding_y = load_big<std::uint16_t>(bytes, 18);
 }
 
 void write_type(std::span<std::uint8_t> out, std::uint16_t type, bool with_chunks) {
@@ -86,10 +80,10 @@ PartLeader read_part(Bytes bytes) {
   const std::uint64_t type_and_length = long_word(bytes, kPartTypeAt);
   part.type = static_cast<DataType>(type_and_length >> 48U);
   part.length = type_and_length & k48Bits;
-  part.format = static_cast<PixelFormatCode>(word(bytes, kPartFormatAt));
+  part.format = static_cast<PixelFormatCode>(load_big<std::uint32_t>(bytes, kPartFormatAt));
   part.source = bytes[kPartSourceAt];
-  part.purpose = half(bytes, kPartPurposeAt);
-  part.region = half(bytes, kPartRegionAt);
+  part.purpose = load_big<std::uint16_t>(bytes, kPartPurposeAt);
+  part.region = load_big<std::uint16_t>(bytes, kPartRegionAt);
   read_geometry(bytes.subspan(kPartGeometryAt), part);
   return part;
 }
@@ -108,14 +102,14 @@ void write_part(std::span<std::uint8_t> out, const PartLeader& part) {
 }  // namespace
 
 std::size_t write_header(std::span<std::uint8_t> out, const PacketHeader& header) {
-  store_big(out, kStatusAt, static_cast<std::uint16_t>(header.status));
+  store_big(out, kBlockStatusAt, static_cast<std::uint16_t>(header.status));
   const auto format = static_cast<std::uint8_t>(header.format);
   if (!header.extended_ids) {
     store_big(out, kBlockAt, static_cast<std::uint16_t>(header.block));
     store_big(out, kFormatAt, std::uint32_t{format} << 24U | (header.packet & kPacketMask));
     return kShortHeaderSize;
   }
-  store_big(out, kFlagsAt, header.flags);
+  store_big(out, kBlockFlagsAt, header.flags);
   store_big(out, kFormatAt,
             static_cast<std::uint32_t>(kExtended | format) << 24U | std::uint32_t{header.parts});
   store_big(out, kExtendedBlockAt, header.block);
@@ -171,7 +165,7 @@ Decoded<StreamPacket> decode_stream_packet(std::span<const std::uint8_t> datagra
     return Incomplete{kShortHeaderSize, datagram.size()};
   }
   PacketHeader header;
-  header.status = static_cast<Status>(half(datagram, kStatusAt));
+  header.status = static_cast<Status>(load_big<std::uint16_t>(datagram, kBlockStatusAt));
   header.extended_ids = (datagram[kFormatAt] & kExtended) != 0;
   const std::size_t size = packet_header_size(header.extended_ids);
   if (datagram.size() < size) {
@@ -188,13 +182,13 @@ Decoded<StreamPacket> decode_stream_packet(std::span<const std::uint8_t> datagra
       return Malformed{"a packet is a leader, a trailer or payload", kFormatAt};
   }
   if (header.extended_ids) {
-    header.flags = half(datagram, kFlagsAt);
+    header.flags = load_big<std::uint16_t>(datagram, kBlockFlagsAt);
     header.parts = datagram[kExtendedPartsAt];
     header.block = long_word(datagram, kExtendedBlockAt);
-    header.packet = word(datagram, kExtendedPacketAt);
+    header.packet = load_big<std::uint32_t>(datagram, kExtendedPacketAt);
   } else {
-    header.block = half(datagram, kBlockAt);
-    header.packet = word(datagram, kFormatAt) & kPacketMask;
+    header.block = load_big<std::uint16_t>(datagram, kBlockAt);
+    header.packet = load_big<std::uint32_t>(datagram, kFormatAt) & kPacketMask;
   }
   if (header.block == 0) {
     return Malformed{"blocks are numbered from 1",
@@ -208,21 +202,21 @@ Decoded<std::uint16_t> decode_payload_type(std::span<const std::uint8_t> payload
   if (payload.size() < kNeeded) {
     return Incomplete{kNeeded, payload.size()};
   }
-  return {half(payload, kPayloadTypeAt), kNeeded};
+  return {load_big<std::uint16_t>(payload, kPayloadTypeAt), kNeeded};
 }
 
 Decoded<ImageLeader> decode_image_leader(std::span<const std::uint8_t> payload) {
   if (payload.size() < kImageLeaderSize) {
     return Incomplete{kImageLeaderSize, payload.size()};
   }
-  const std::uint16_t type = half(payload, kPayloadTypeAt);
+  const std::uint16_t type = load_big<std::uint16_t>(payload, kPayloadTypeAt);
   if (plain(type) != PayloadType::kImage) {
     return Malformed{"payload type is no image", kPayloadTypeAt};
   }
   ImageLeader leader;
   leader.with_chunks = has_chunks(type);
   leader.timestamp = long_word(payload, kTimestampAt);
-  leader.format = static_cast<PixelFormatCode>(word(payload, kImageFormatAt));
+  leader.format = static_cast<PixelFormatCode>(load_big<std::uint32_t>(payload, kImageFormatAt));
   read_geometry(payload.subspan(kImageGeometryAt), leader);
   return {leader, kImageLeaderSize};
 }
@@ -233,7 +227,7 @@ Decoded<MultipartLeader> decode_multipart_leader(std::span<const std::uint8_t> p
   if (payload.size() < size) {
     return Incomplete{size, payload.size()};
   }
-  const std::uint16_t type = half(payload, kPayloadTypeAt);
+  const std::uint16_t type = load_big<std::uint16_t>(payload, kPayloadTypeAt);
   if (plain(type) != PayloadType::kMultipart) {
     return Malformed{"payload type is not multi-part", kPayloadTypeAt};
   }
@@ -260,7 +254,7 @@ Decoded<Trailer> decode_trailer(std::span<const std::uint8_t> payload) {
   if (payload.size() < size) {
     return Incomplete{size, payload.size()};
   }
-  const std::uint16_t type = half(payload, kPayloadTypeAt);
+  const std::uint16_t type = load_big<std::uint16_t>(payload, kPayloadTypeAt);
   Trailer trailer;
   trailer.multipart = plain(type) == PayloadType::kMultipart;
   if (!trailer.multipart && plain(type) != PayloadType::kImage) {
@@ -271,10 +265,11 @@ Decoded<Trailer> decode_trailer(std::span<const std::uint8_t> payload) {
     return Incomplete{size, payload.size()};
   }
   if (!trailer.multipart) {
-    trailer.height = word(payload, kTrailerHeightAt);
+    trailer.height = load_big<std::uint32_t>(payload, kTrailerHeightAt);
   }
   if (has_chunks(type)) {
-    trailer.chunks = ChunkTrailer{word(payload, size - 8), word(payload, size - 4)};
+    trailer.chunks = ChunkTrailer{load_big<std::uint32_t>(payload, size - 8),
+                                  load_big<std::uint32_t>(payload, size - 4)};
   }
   return {trailer, size};
 }

@@ -10,7 +10,7 @@
 namespace rigwire::protocols::gps {
 namespace {
 
-using Field = ScaledField<Ephemeris>;
+using EphemerisField = ScaledField<Ephemeris>;
 
 constexpr Scale plain(std::uint8_t bits, int exponent) {
   return {bits, false, exponent, false};
@@ -23,39 +23,39 @@ constexpr Scale angle(std::uint8_t bits, int exponent) {
 }
 
 constexpr std::array kClock{
-    Field{&Ephemeris::group_delay_s, 7, 17, negative(8, -31)},
-    Field{&Ephemeris::clock_time_s, 8, 9, plain(16, 4)},
-    Field{&Ephemeris::clock_drift_rate, 9, 1, negative(8, -55)},
-    Field{&Ephemeris::clock_drift, 9, 9, negative(16, -43)},
-    Field{&Ephemeris::clock_bias_s, 10, 1, negative(22, -31)},
+    EphemerisField{&Ephemeris::group_delay_s, 7, 17, negative(8, -31)},
+    EphemerisField{&Ephemeris::clock_time_s, 8, 9, plain(16, 4)},
+    EphemerisField{&Ephemeris::clock_drift_rate, 9, 1, negative(8, -55)},
+    EphemerisField{&Ephemeris::clock_drift, 9, 9, negative(16, -43)},
+    EphemerisField{&Ephemeris::clock_bias_s, 10, 1, negative(22, -31)},
 };
 
 constexpr std::array kOrbit2{
-    Field{&Ephemeris::radius_sine_m, 3, 9, negative(16, -5)},
-    Field{&Ephemeris::mean_motion_difference, 4, 1, angle(16, -43)},
-    Field{&Ephemeris::mean_anomaly_rad, 4, 17, angle(32, -31)},
-    Field{&Ephemeris::latitude_cosine_rad, 6, 1, negative(16, -29)},
-    Field{&Ephemeris::eccentricity, 6, 17, plain(32, -33)},
-    Field{&Ephemeris::latitude_sine_rad, 8, 1, negative(16, -29)},
-    Field{&Ephemeris::sqrt_semi_major_axis, 8, 17, plain(32, -19)},
-    Field{&Ephemeris::ephemeris_time_s, 10, 1, plain(16, 4)},
+    EphemerisField{&Ephemeris::radius_sine_m, 3, 9, negative(16, -5)},
+    EphemerisField{&Ephemeris::mean_motion_difference, 4, 1, angle(16, -43)},
+    EphemerisField{&Ephemeris::mean_anomaly_rad, 4, 17, angle(32, -31)},
+    EphemerisField{&Ephemeris::latitude_cosine_rad, 6, 1, negative(16, -29)},
+    EphemerisField{&Ephemeris::eccentricity, 6, 17, plain(32, -33)},
+    EphemerisField{&Ephemeris::latitude_sine_rad, 8, 1, negative(16, -29)},
+    EphemerisField{&Ephemeris::sqrt_semi_major_axis, 8, 17, plain(32, -19)},
+    EphemerisField{&Ephemeris::ephemeris_time_s, 10, 1, plain(16, 4)},
 };
 
 constexpr std::array kOrbit3{
-    Field{&Ephemeris::inclination_cosine_rad, 3, 1, negative(16, -29)},
-    Field{&Ephemeris::ascending_node_rad, 3, 17, angle(32, -31)},
-    Field{&Ephemeris::inclination_sine_rad, 5, 1, negative(16, -29)},
-    Field{&Ephemeris::inclination_rad, 5, 17, angle(32, -31)},
-    Field{&Ephemeris::radius_cosine_m, 7, 1, negative(16, -5)},
-    Field{&Ephemeris::argument_of_perigee_rad, 7, 17, angle(32, -31)},
-    Field{&Ephemeris::ascending_node_rate, 9, 1, angle(24, -43)},
-    Field{&Ephemeris::inclination_rate, 10, 9, angle(14, -43)},
+    EphemerisField{&Ephemeris::inclination_cosine_rad, 3, 1, negative(16, -29)},
+    EphemerisField{&Ephemeris::ascending_node_rad, 3, 17, angle(32, -31)},
+    EphemerisField{&Ephemeris::inclination_sine_rad, 5, 1, negative(16, -29)},
+    EphemerisField{&Ephemeris::inclination_rad, 5, 17, angle(32, -31)},
+    EphemerisField{&Ephemeris::radius_cosine_m, 7, 1, negative(16, -5)},
+    EphemerisField{&Ephemeris::argument_of_perigee_rad, 7, 17, angle(32, -31)},
+    EphemerisField{&Ephemeris::ascending_node_rate, 9, 1, angle(24, -43)},
+    EphemerisField{&Ephemeris::inclination_rate, 10, 9, angle(14, -43)},
 };
 
 constexpr BitRange kWeek{3, 1, 10};
 constexpr BitRange kL2Code{3, 11, 2};
 constexpr BitRange kAccuracy{3, 13, 4};
-constexpr BitRange kHealth{3, 17, 6};
+constexpr BitRange kEphemerisHealth{3, 17, 6};
 constexpr BitRange kIssueOfClockHigh{3, 23, 2};
 constexpr BitRange kIssueOfClockLow{8, 1, 8};
 constexpr BitRange kL2DataFlag{4, 1, 1};
@@ -64,9 +64,9 @@ constexpr BitRange kFitInterval{10, 17, 1};
 constexpr BitRange kAgeOfDataOffset{10, 18, 5};
 constexpr BitRange kIssueOfEphemeris3{10, 1, 8};
 
-constexpr std::int32_t kWeekModulus = 1024;
+constexpr std::int32_t kWordWeekModulus = 1024;
 
-std::span<const Field> fields_of(std::uint8_t id) {
+std::span<const EphemerisField> fields_of(std::uint8_t id) {
   switch (id) {
     case 1:
       return kClock;
@@ -80,7 +80,7 @@ std::span<const Field> fields_of(std::uint8_t id) {
 template <class Function>
 void for_each_field(Function&& function) {
   for (std::uint8_t id = 1; id <= 3; ++id) {
-    for (const Field& field : fields_of(id)) {
+    for (const EphemerisField& field : fields_of(id)) {
       function(field);
     }
   }
@@ -100,15 +100,15 @@ void put_ephemeris(SubframeData& data, std::uint8_t id, const Ephemeris& ephemer
   for (std::size_t i = 2; i < kWords; ++i) {
     data.words[i] = 0;
   }
-  for (const Field& field : fields_of(id)) {
+  for (const EphemerisField& field : fields_of(id)) {
     field.encode(ephemeris, data);
   }
   switch (id) {
     case 1:
-      put_bits(data, kWeek, static_cast<std::uint32_t>(sent_week % kWeekModulus));
+      put_bits(data, kWeek, static_cast<std::uint32_t>(sent_week % kWordWeekModulus));
       put_bits(data, kL2Code, ephemeris.l2_code);
       put_bits(data, kAccuracy, ephemeris.accuracy_index);
-      put_bits(data, kHealth, ephemeris.health);
+      put_bits(data, kEphemerisHealth, ephemeris.health);
       put_bits(data, kIssueOfClockHigh, ephemeris.issue_of_clock >> 8U);
       put_bits(data, kIssueOfClockLow, ephemeris.issue_of_clock);
       put_bits(data, kL2DataFlag, ephemeris.l2_p_data_off ? 1U : 0U);
@@ -126,7 +126,7 @@ void put_ephemeris(SubframeData& data, std::uint8_t id, const Ephemeris& ephemer
 
 Ephemeris quantised(const Ephemeris& ephemeris) {
   Ephemeris result = ephemeris;
-  for_each_field([&](const Field& field) {
+  for_each_field([&](const EphemerisField& field) {
     const std::uint32_t count = field.scale.count(ephemeris.*field.member);
     result.*field.member = field.scale.value(count);
   });
@@ -151,14 +151,14 @@ Decoded<Ephemeris> decode_ephemeris(const SubframeData& first, const SubframeDat
     if (id == 1) {
       next_step = found->next_step;
     }
-    for (const Field& field : fields_of(id)) {
+    for (const EphemerisField& field : fields_of(id)) {
       field.decode(data, ephemeris);
     }
   }
   ephemeris.prn = prn;
   ephemeris.l2_code = static_cast<std::uint8_t>(get_bits(first, kL2Code));
   ephemeris.accuracy_index = static_cast<std::uint8_t>(get_bits(first, kAccuracy));
-  ephemeris.health = static_cast<std::uint8_t>(get_bits(first, kHealth));
+  ephemeris.health = static_cast<std::uint8_t>(get_bits(first, kEphemerisHealth));
   ephemeris.issue_of_clock = static_cast<std::uint16_t>((get_bits(first, kIssueOfClockHigh) << 8U) |
                                                         get_bits(first, kIssueOfClockLow));
   ephemeris.l2_p_data_off = get_bits(first, kL2DataFlag) != 0;
@@ -178,7 +178,7 @@ Decoded<Ephemeris> decode_ephemeris(const SubframeData& first, const SubframeDat
   const std::uint32_t step = (next_step + kStepsPerWeek - 1U) % kStepsPerWeek;
   const double ahead_s = ephemeris.ephemeris_time_s - static_cast<double>(step) * kStepSeconds;
   ephemeris.week =
-      unrolled_week(static_cast<std::int32_t>(get_bits(first, kWeek)), kWeekModulus, week_hint);
+      unrolled_week(static_cast<std::int32_t>(get_bits(first, kWeek)), kWordWeekModulus, week_hint);
   if (ahead_s > kWeekSeconds / 2.0) {
     --ephemeris.week;
   } else if (ahead_s < -kWeekSeconds / 2.0) {

@@ -34,7 +34,7 @@ constexpr Place kLeap = place(9, 1, 8, true, 0);
 constexpr BitRange kLeapWeek{9, 9, 8};
 constexpr BitRange kLeapDay{9, 17, 8};
 constexpr Place kLeapFuture = place(10, 1, 8, true, 0);
-constexpr std::int32_t kWeekModulus = 256;
+constexpr std::int32_t kPageWeekModulus = 256;
 
 void put(SubframeData& data, const Place& place, double value) {
   put_bits(data, place.bits, place.scale.count(value));
@@ -67,9 +67,9 @@ void put_ionosphere_utc(SubframeData& data, const IonosphereUtc& parameters) {
   put(data, kA0, parameters.utc_a0_s);
   put(data, kReferenceTime, parameters.utc_reference_time_s);
   put_bits(data, kReferenceWeek,
-           static_cast<std::uint32_t>(parameters.utc_reference_week % kWeekModulus));
+           static_cast<std::uint32_t>(parameters.utc_reference_week % kPageWeekModulus));
   put(data, kLeap, parameters.leap_seconds);
-  put_bits(data, kLeapWeek, static_cast<std::uint32_t>(parameters.leap_week % kWeekModulus));
+  put_bits(data, kLeapWeek, static_cast<std::uint32_t>(parameters.leap_week % kPageWeekModulus));
   put_bits(data, kLeapDay, static_cast<std::uint32_t>(parameters.leap_day));
   put(data, kLeapFuture, parameters.leap_seconds_future);
 }
@@ -79,7 +79,8 @@ Decoded<IonosphereUtc> decode_ionosphere_utc(const SubframeData& data, std::int3
     return Malformed{"page id is not 56", 2};
   }
   const auto week = [&](BitRange bits) {
-    return unrolled_week(static_cast<std::int32_t>(get_bits(data, bits)), kWeekModulus, week_hint);
+    return unrolled_week(static_cast<std::int32_t>(get_bits(data, bits)), kPageWeekModulus,
+                         week_hint);
   };
   IonosphereUtc parameters;
   for (std::size_t i = 0; i < 4; ++i) {

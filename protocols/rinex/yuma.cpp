@@ -38,9 +38,9 @@ constexpr std::array<Quantity, 13> kQuantities{{
     {"week", 0, 100'000, [](gps::Almanac& a, double v) { a.week = static_cast<std::int32_t>(v); }},
 }};
 
-class Reader {
+class YumaReader {
  public:
-  Reader(std::string_view text, std::string_view name, std::int32_t week_hint)
+  YumaReader(std::string_view text, std::string_view name, std::int32_t week_hint)
       : lines_(text, name), week_hint_(week_hint) {}
 
   YumaAlmanac read() {
@@ -117,7 +117,7 @@ class Reader {
 }  // namespace
 
 YumaAlmanac read_yuma(std::string_view text, std::string_view name, std::int32_t week_hint) {
-  return Reader(text, name, week_hint).read();
+  return YumaReader(text, name, week_hint).read();
 }
 
 }  // namespace rigwire::protocols::rinex

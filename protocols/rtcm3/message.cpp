@@ -145,7 +145,6 @@ constexpr unsigned kPhaseBits = 20;
 constexpr unsigned kSecondRangeBits = 14;
 constexpr std::int64_t kNoPhase = -(1 << (kPhaseBits - 1));
 constexpr std::int64_t kNoSecondRange = -(1 << (kSecondRangeBits - 1));
-constexpr int kChannelOffset = 7;
 
 /// A signed count of `step`; `none` where there is no value or it does not fit.
 std::int64_t count_or(std::optional<double> value, double step, std::int64_t none) {

@@ -27,6 +27,9 @@
 
 namespace rigwire::protocols::rtcm3 {
 
+/// Added to the frequency channels of GLONASS, -7 .. 13, where they are sent (DF040).
+inline constexpr int kChannelOffset = 7;
+
 inline constexpr double kLightSpeed_mps = 299'792'458.0;
 inline constexpr double kLightMillisecond_m = kLightSpeed_mps * 1e-3;
 

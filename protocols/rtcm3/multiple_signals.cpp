@@ -38,7 +38,6 @@ constexpr Width kFineRate{15, 1e-4};
 constexpr std::uint32_t kNoRoughRange = 255;
 constexpr unsigned kRoughFraction = 1024;  ///< Rough ranges count 2^-10 ms.
 constexpr std::uint8_t kNoChannel = 15;
-constexpr int kChannelOffset = 7;
 
 /// What stands once for a satellite.
 struct Rough {

@@ -33,9 +33,9 @@ std::size_t frame_bytes(const FrameView& frame) {
   return kOverheadBytes + frame.payload.size();
 }
 
-using Count = std::optional<std::size_t> (*)(Payload);
+using CountOf = std::optional<std::size_t> (*)(Payload);
 
-Decoded<KeyChange> decode_change(const FrameView& frame, MessageId id, Count count) {
+Decoded<KeyChange> decode_change(const FrameView& frame, MessageId id, CountOf count) {
   if (frame.id != id) {
     return kOtherMessage;
   }
@@ -60,7 +60,7 @@ Decoded<KeyChange> decode_change(const FrameView& frame, MessageId id, Count cou
   return {change, frame_bytes(frame)};
 }
 
-Decoded<KeyQuery> decode_query(const FrameView& frame, std::uint8_t version, Count count) {
+Decoded<KeyQuery> decode_query(const FrameView& frame, std::uint8_t version, CountOf count) {
   if (frame.id != kCfgValget) {
     return kOtherMessage;
   }

@@ -15,8 +15,8 @@ constexpr std::size_t kListHeaderSize = kOperationHeaderSize + 4 /* count */;
 // Offsets in the device record.
 constexpr std::size_t kBusIdAt = kPathSize;
 constexpr std::size_t kBusAt = kBusIdAt + kBusIdSize;
-constexpr std::size_t kDeviceAt = kBusAt + 4;
-constexpr std::size_t kSpeedAt = kDeviceAt + 4;
+constexpr std::size_t kDeviceNumberAt = kBusAt + 4;
+constexpr std::size_t kSpeedAt = kDeviceNumberAt + 4;
 constexpr std::size_t kVendorAt = kSpeedAt + 4;
 constexpr std::size_t kProductAt = kVendorAt + 2;
 constexpr std::size_t kReleaseAt = kProductAt + 2;
@@ -47,7 +47,7 @@ void store_device(std::span<std::uint8_t> bytes, const DeviceRecord& d) {
   store_name(bytes.first(kPathSize), d.path);
   store_name(bytes.subspan(kBusIdAt, kBusIdSize), d.bus_id);
   store_big(bytes, kBusAt, d.bus);
-  store_big(bytes, kDeviceAt, d.device);
+  store_big(bytes, kDeviceNumberAt, d.device);
   store_big(bytes, kSpeedAt, static_cast<std::uint32_t>(d.speed));
   store_big(bytes, kVendorAt, d.vendor);
   store_big(bytes, kProductAt, d.product);
@@ -65,7 +65,7 @@ DeviceRecord load_device(std::span<const std::uint8_t> bytes) {
   d.path = load_name(bytes.first(kPathSize));
   d.bus_id = load_name(bytes.subspan(kBusIdAt, kBusIdSize));
   d.bus = load_big<std::uint32_t>(bytes, kBusAt);
-  d.device = load_big<std::uint32_t>(bytes, kDeviceAt);
+  d.device = load_big<std::uint32_t>(bytes, kDeviceNumberAt);
   d.speed = static_cast<usb::Speed>(
       std::min<std::uint32_t>(load_big<std::uint32_t>(bytes, kSpeedAt), 0xFF));
   d.vendor = load_big<std::uint16_t>(bytes, kVendorAt);

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "protocols/angle.h"
+
 namespace rigwire::protocols::velodyne {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 constexpr double kNominalDistance_m = 1.400;
 constexpr double kNominalFocus_m = 10.0;

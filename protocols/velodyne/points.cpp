@@ -1,13 +1,13 @@
 #include "protocols/velodyne/points.h"
 
 #include <cmath>
-#include <numbers>
 #include <span>
+
+#include "protocols/angle.h"
 
 namespace rigwire::protocols::velodyne {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurn_deg = 360.0;
 constexpr double kCount_deg = 0.01;
 constexpr std::uint32_t kHour_us = 3'600'000'000U;

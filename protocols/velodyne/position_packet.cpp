@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
+#include "protocols/angle.h"
 #include "protocols/bytes.h"
 
 namespace rigwire::protocols::velodyne {
 namespace {
 
 constexpr std::size_t kInertialAt = kPositionHeadSize;
-constexpr std::size_t kTimestampAt =
+constexpr std::size_t kPositionTimestampAt =
     kInertialAt + kInertialGroups * kInertialGroupSize + kPositionGapSize;
-constexpr std::size_t kPulseStateAt = kTimestampAt + 4;
+constexpr std::size_t kPulseStateAt = kPositionTimestampAt + 4;
 constexpr std::size_t kNmeaAt = kPulseStateAt + 1 + 3;
-static_assert(kTimestampAt == 198 && kNmeaAt == 206);
+static_assert(kPositionTimestampAt == 198 && kNmeaAt == 206);
 static_assert(kNmeaAt + kNmeaSize == kPositionPacketSize);
 
 /// The extended layout, around the timestamp.
@@ -26,7 +26,7 @@ constexpr std::size_t kChangeAt = kAtCalibrationAt + 1;
 constexpr std::size_t kSinceAt = kChangeAt + 2;
 constexpr std::size_t kReasonAt = kSinceAt + 4;
 constexpr std::size_t kConditionsAt = kReasonAt + 1;
-static_assert(kConditionsAt + 1 == kTimestampAt);
+static_assert(kConditionsAt + 1 == kPositionTimestampAt);
 constexpr std::size_t kThermalAt = kPulseStateAt + 1;
 constexpr std::size_t kShutdownAt = kThermalAt + 1;
 constexpr std::size_t kPowerUpAt = kShutdownAt + 1;
@@ -36,7 +36,6 @@ constexpr std::uint8_t kCalibrating = 1U << 0U;
 constexpr std::uint8_t kTemperatureChangeReached = 1U << 1U;
 constexpr std::uint8_t kPeriodReached = 1U << 2U;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kStandardGravity_mps2 = 9.80665;
 
 constexpr std::uint16_t kTwelveBits = 0x0FFF;
@@ -130,7 +129,7 @@ void encode(const PositionPacket& packet, std::span<std::uint8_t, kPositionPacke
     store_little(bytes, at + 6, pack_12(packet.inertial[g].acceleration_y));
   }
   encode_status(packet.status, bytes);
-  store_little(bytes, kTimestampAt, packet.timestamp_us);
+  store_little(bytes, kPositionTimestampAt, packet.timestamp_us);
   bytes[kPulseStateAt] = static_cast<std::uint8_t>(packet.pulse_state);
   for (std::size_t i = 0; i < kNmeaSize; ++i) {
     bytes[kNmeaAt + i] = static_cast<std::uint8_t>(packet.nmea[i]);
@@ -168,7 +167,7 @@ Decoded<PositionPacket> decode_position_packet(std::span<const std::uint8_t> byt
                           unpack_12(load_little<std::uint16_t>(bytes, at + 4)),
                           unpack_12(load_little<std::uint16_t>(bytes, at + 6))};
   }
-  packet.timestamp_us = load_little<std::uint32_t>(bytes, kTimestampAt);
+  packet.timestamp_us = load_little<std::uint32_t>(bytes, kPositionTimestampAt);
   packet.pulse_state = static_cast<PulseState>(bytes[kPulseStateAt]);
   bool ended = false;
   for (std::size_t i = 0; i < kNmeaSize; ++i) {

@@ -10,8 +10,8 @@
 namespace rigwire::protocols::velodyne {
 namespace {
 
-constexpr std::string_view kStart = "UNIT#";
-constexpr std::size_t kUpperThresholdAt = kStart.size();
+constexpr std::string_view kRecordStart = "UNIT#";
+constexpr std::size_t kUpperThresholdAt = kRecordStart.size();
 constexpr std::size_t kLowerThresholdAt = kUpperThresholdAt + 1;
 constexpr std::size_t kLasersAt = kLowerThresholdAt + 1;
 constexpr std::size_t kLaserStride = 28;
@@ -108,7 +108,7 @@ std::uint16_t status_crc(std::span<const std::uint8_t, kStatusRecordSize> bytes)
 void encode(const StatusRecord& record, std::span<std::uint8_t, kStatusRecordSize> bytes) {
   assert(record.calibration.lasers.size() == kHdl64eLasers);
   std::ranges::fill(bytes, std::uint8_t{0});
-  std::ranges::copy(kStart, bytes.begin());
+  std::ranges::copy(kRecordStart, bytes.begin());
   bytes[kUpperThresholdAt] = record.upper_threshold;
   bytes[kLowerThresholdAt] = record.lower_threshold;
   for (std::size_t i = 0; i < kHdl64eLasers; ++i) {
@@ -139,7 +139,7 @@ Decoded<StatusRecord> decode_status_record(std::span<const std::uint8_t> bytes) 
   if (bytes.size() < kStatusRecordSize) {
     return Incomplete{kStatusRecordSize, bytes.size()};
   }
-  if (!std::ranges::equal(bytes.first(kStart.size()), kStart)) {
+  if (!std::ranges::equal(bytes.first(kRecordStart.size()), kRecordStart)) {
     return Malformed{"the record does not begin with UNIT#", 0};
   }
   StatusRecord record;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "fields/check.h"
+#include "fields/constants.h"
 #include "fields/visitor.h"
 #include "sim/samples/wide_vectors.h"
 
@@ -16,7 +17,6 @@ using fields::plain;
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr double kSolarConstant_lx = 133.3e3;
 constexpr double kLowestShape_rad = 2.0 * kDegree;

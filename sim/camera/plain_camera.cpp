@@ -7,7 +7,7 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr std::string_view kKind = "camera";
+constexpr std::string_view kPlainKind = "camera";
 
 class PlainCamera final : public CameraSensor {
  public:
@@ -24,7 +24,7 @@ class PlainCamera final : public CameraSensor {
   [[nodiscard]] Taken take(const Scene& scene, const CameraShot& shot,
                            CameraTruth* truth) override {
     const CameraCommand& command = shot.command;
-    require_fits(command, kKind, {}, sensor_formats(renderer_.sensor().parameters().colour));
+    require_fits(command, kPlainKind, {}, sensor_formats(renderer_.sensor().parameters().colour));
     PictureJob job = job_of(shot, read_out_of(shot));
     job.truth = truth != nullptr;
     renderer_.render(scene, job, rendered_);

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "fields/constants.h"
 #include "sim/contact/loose_bodies.h"
 
 namespace rigwire::sim {
@@ -742,7 +743,6 @@ void ContactSet::give_way(double h) {
 }
 
 void ContactSet::fall(double h) {
-  constexpr double kGravity_mps2 = 9.80665;
   constexpr double kMost_rad = 2.2;  // Down a steep bank.
   constexpr int kStations = 8;
   for (LeaningObstacle& lean : leaning_) {

@@ -8,7 +8,7 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr double kBeside_m = 1e-3;
+constexpr double kSamePoint_m = 1e-3;
 constexpr double kParallel = 0.05;  // Sine, below which two lines share a stretch, not a crossing.
 
 /// Places across the normal in x and y, heights along it in z.
@@ -81,7 +81,7 @@ Outline clipped(Outline subject, const Outline& polygon) {
     const Vector& from = polygon.corners[i];
     const Vector edge = polygon.corners[(i + 1) % polygon.count] - from;
     // A trunk's line lies on the very edge of a corner that it meets: within, by a millimetre.
-    const double beside = kBeside_m * edge.head<2>().norm();
+    const double beside = kSamePoint_m * edge.head<2>().norm();
     const auto inside = [&](const Vector& p) { return cross(edge, p - from) + beside; };
     Outline next;
     const std::size_t sides = subject.count == 2 ? 1 : subject.count;

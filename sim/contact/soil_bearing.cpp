@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "fields/constants.h"
+
 namespace rigwire::sim {
 namespace {
 
-constexpr double kGravity_mps2 = 9.80665;
 constexpr double kHard_pa = 2e6;
 constexpr double kLeast_pa = 1e3;
 

@@ -1,7 +1,8 @@
 #include "sim/encoder/joint_angle.h"
 
 #include <cmath>
-#include <numbers>
+
+#include "fields/constants.h"
 
 namespace rigwire::sim {
 
@@ -12,7 +13,6 @@ EncoderSample JointAngle::sample(SimTime time, const LinkMotion& base, const Lin
   // Angle of a rotation about this axis, carried on to the nearest turn.
   const double wrapped = std::atan2(R_BM(second, first), R_BM(first, first));
   if (angle_rad_) {
-    constexpr double kTurn = 2.0 * std::numbers::pi;
     *angle_rad_ += std::remainder(wrapped - *angle_rad_, kTurn);
   } else {
     angle_rad_ = wrapped;

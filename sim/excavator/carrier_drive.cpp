@@ -7,13 +7,13 @@ namespace rigwire::sim {
 
 namespace {
 
-constexpr double kFree = 1e300;
+constexpr double kUnbounded = 1e300;
 constexpr double kRigid = 1e3;     // Level quasi_static: gain over that which stops the mass.
 constexpr double kReturn_s = 0.1;  // Level quasi_static: as the arm's (excavator.cpp).
 constexpr double kBrakes_mps = 0.05;
 constexpr double kWind_m = 1e-3;  // Of the holding bristle under its greatest force.
 constexpr double kCushionFloor = 0.1;
-constexpr double kStopReach_m = 0.005;
+constexpr double kTrackStopReach_m = 0.005;
 enum Part : std::size_t { kDrive, kHolding, kStop };
 
 }  // namespace
@@ -145,13 +145,13 @@ void CarrierDrive::begin(double h, double supply_pressure_pa, double ground_n) {
   DriveForce& stop = forces_[kStop];
   stop = {};
   const double ahead = x_m_ + h * rate_mps_;
-  const bool low = cylinder_ && ahead < size_.x_min + kStopReach_m;
-  if (low || (cylinder_ && ahead > size_.x_max - kStopReach_m)) {
+  const bool low = cylinder_ && ahead < size_.x_min + kTrackStopReach_m;
+  if (low || (cylinder_ && ahead > size_.x_max - kTrackStopReach_m)) {
     // One-sided: k (end - x - h x') - c x', begun where the end would be passed within the step.
     const double end = low ? size_.x_min : size_.x_max;
     stop = {{stop_npm_ * (end - x_m_), stop_npm_ * h + stop_nspm_},
-            low ? 0.0 : -kFree,
-            low ? kFree : 0.0,
+            low ? 0.0 : -kUnbounded,
+            low ? kUnbounded : 0.0,
             false,
             0.0,
             0};

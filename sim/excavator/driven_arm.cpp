@@ -9,10 +9,10 @@ namespace {
 
 constexpr double kStopDampingRatio = 0.5;
 // Of one relief valve or resistance: to a limit, back, to a limit, back.
-constexpr int kSwitchesMax = 4;
+constexpr int kDriveSwitchesMax = 4;
 // Stops go on and off at most once each.
-constexpr int kPassesMax =
-    2 * kArmJoints + kSwitchesMax * (kArmJoints + static_cast<int>(kTipResistances));
+constexpr int kDrivePassesMax =
+    2 * kArmJoints + kDriveSwitchesMax * (kArmJoints + static_cast<int>(kTipResistances));
 
 enum class StopState { off, low, high, released };
 
@@ -140,7 +140,7 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
   ArmStep result;
   JointVector& a = result.acceleration_radps2;
   // (M + h sum gain J^2) a = rest + sum J F(start), clamp last (driven_arm.h).
-  for (int pass = 0; pass < kPassesMax; ++pass) {
+  for (int pass = 0; pass < kDrivePassesMax; ++pass) {
     JointMatrix left = mass_matrix;
     JointVector right = load.torque - bias;
     for (int i = 0; i < kArmJoints; ++i) {
@@ -184,7 +184,7 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
       // way back it would push at its limit along the motion.
       const double free = laws.force[n].at(x_rate[i]) - h * laws.force[n].gain * lever[i] * a[i];
       const int beyond = free > laws.greatest[i] ? 1 : free < laws.least[i] ? -1 : 0;
-      if (beyond != clamped[n] && drive_switches[n] < kSwitchesMax) {
+      if (beyond != clamped[n] && drive_switches[n] < kDriveSwitchesMax) {
         ++drive_switches[n];
         clamped[n] = clamped[n] == 0 ? beyond : 0;
         changed = true;
@@ -217,7 +217,7 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
       const int beyond = free > each.limit ? 1 : free < -each.limit ? -1 : 0;
       force = yielded[i] == 0 ? free : yielded[i] * each.limit;
       // The same way back; from one limit to the other it leads through holding.
-      if (beyond != yielded[i] && switches[i] < kSwitchesMax) {
+      if (beyond != yielded[i] && switches[i] < kDriveSwitchesMax) {
         ++switches[i];
         yielded[i] = yielded[i] == 0 ? beyond : 0;
         changed = true;

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "fields/constants.h"
 #include "sim/gnss/ephemeris.h"
 #include "sim/samples/gnss_carriers.h"
 
 namespace rigwire::sim {
 namespace {
 
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kWeek = 604'800;
 
 std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
@@ -42,7 +41,7 @@ std::int64_t behind_s(const Satellite& satellite) {
 }
 
 std::int64_t angle_steps(double angle_rad) {
-  return std::llround(std::fmod(angle_rad, kTurn_rad) / kAngleStep_rad);
+  return std::llround(std::fmod(angle_rad, kTurn) / kAngleStep_rad);
 }
 
 double from_angle_steps(std::int64_t steps) {
@@ -90,7 +89,6 @@ int spread(int number, int factor, int reach) {
 
 constexpr std::int64_t kHalfHour_s = 1'800;
 constexpr std::int64_t kMoscow_s = 3 * 3'600;
-constexpr std::int64_t kDay_s = 86'400;
 constexpr std::int64_t kDaysTo1996 = 5'839;  // since 1980-01-06
 constexpr std::int64_t kDaysOfFourYears = 1'461;
 /// Appendix A.3.1.2 and table 3.2: PZ-90.
@@ -337,8 +335,8 @@ GlonassBroadcast::Middle GlonassBroadcast::middle(std::int64_t interval) const {
   const OblateOrbit& shape = glonass_orbit();
   const auto middle_s = static_cast<double>(middle_ns(interval) / kSecond_ns - kEpoch_s);
   const double turn_radps = shape.node_rate_radps - kGlonassEarthRate_radps;
-  return {interval, std::fmod(phase_rad_ + shape.rate_radps * middle_s, kTurn_rad),
-          std::fmod(node_rad_ + turn_radps * middle_s, kTurn_rad)};
+  return {interval, std::fmod(phase_rad_ + shape.rate_radps * middle_s, kTurn),
+          std::fmod(node_rad_ + turn_radps * middle_s, kTurn)};
 }
 
 GlonassBroadcast::Motion GlonassBroadcast::orbit(const Middle& middle, double since_s) {

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "fields/constants.h"
+
 namespace rigwire::sim {
 namespace {
-
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
 /// By what L2 is delayed more than L1: section 20.3.3.3.3.2.
 constexpr double kDelayOfSecond = (77.0 / 60.0) * (77.0 / 60.0);
@@ -88,7 +87,7 @@ SatelliteState satellite_state(const GpsEphemeris& eph, const GpsTime& time, dou
   const double rate =
       std::sqrt(earth.gravity_m3ps2 / (a_m * a_m * a_m)) + eph.mean_motion_difference;
   const double anomaly =
-      eccentric_anomaly(std::fmod(eph.mean_anomaly_rad + rate * since_toe_s, kTurn_rad), e);
+      eccentric_anomaly(std::fmod(eph.mean_anomaly_rad + rate * since_toe_s, kTurn), e);
   const double sin_e = std::sin(anomaly);
   const double cos_e = std::cos(anomaly);
   const double shape = 1.0 - e * cos_e;
@@ -120,7 +119,7 @@ SatelliteState satellite_state(const GpsEphemeris& eph, const GpsTime& time, dou
   const double node_rate = eph.ascending_node_rate - earth.rotation_radps;
   const double node = std::fmod(eph.ascending_node_rad + node_rate * since_toe_s -
                                     earth.rotation_radps * eph.ephemeris_time_s,
-                                kTurn_rad);
+                                kTurn);
 
   const double sin_u = std::sin(u);
   const double cos_u = std::cos(u);
@@ -202,11 +201,11 @@ GpsEphemeris reissued(const GpsEphemeris& eph, std::int64_t later_s, std::int64_
   next.week = eph.week + static_cast<std::int32_t>(weeks);
   next.ephemeris_time_s = static_cast<double>(reference_s - weeks * 604'800);
   // Angles go on by their rates to the new reference time.
-  next.mean_anomaly_rad += std::fmod(rate * later, kTurn_rad);
+  next.mean_anomaly_rad += std::fmod(rate * later, kTurn);
   // The node is stated for the start of the week, in which the earth turns on.
   next.ascending_node_rad +=
-      std::fmod(eph.ascending_node_rate * later, kTurn_rad) -
-      std::fmod(kEarthRate_radps * kWeek_s * static_cast<double>(weeks), kTurn_rad);
+      std::fmod(eph.ascending_node_rate * later, kTurn) -
+      std::fmod(kEarthRate_radps * kWeek_s * static_cast<double>(weeks), kTurn);
   next.inclination_rad += eph.inclination_rate * later;
 
   const double toc_less_toe_s = within_half_week(eph.clock_time_s - eph.ephemeris_time_s);

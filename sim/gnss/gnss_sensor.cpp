@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "fields/constants.h"
 #include "sim/samples/gnss_carriers.h"
 
 namespace rigwire::sim {
@@ -207,7 +208,6 @@ void GnssSensor::take_corrections(const Epoch& epoch) {
   const auto navigation = constellation_->navigation(time);
   const double time_of_week_s = static_cast<double>(time.time_of_week_ns) * 1e-9;
   const Eigen::Vector3d origin_E_m = frame_.to_ecef(Eigen::Vector3d::Zero());
-  constexpr double kDegree = std::numbers::pi / 180.0;
   // As measure() has them of this antenna.
   const auto delay_of = [&](std::size_t index, const Eigen::Vector3d& p_E_m,
                             const Eigen::Vector3d& direction_E) {
@@ -646,7 +646,6 @@ void GnssSensor::measure(std::span<const ReceivedSatellite> received, const Epoc
                          GnssSample& sample) {
   const Reception& reception = epoch.reception;
   const GeodeticPoint point = frame_.to_geodetic(reception.ranges_p_W);
-  constexpr double kDegree = std::numbers::pi / 180.0;
   const double latitude = point.latitude_deg * kDegree;
   const double longitude = point.longitude_deg * kDegree;
   const double time_of_week_s = static_cast<double>(reception.gps.time_of_week_ns) * 1e-9;

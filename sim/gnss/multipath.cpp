@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "fields/check.h"
+#include "fields/constants.h"
 #include "fields/visitor.h"
 
 namespace rigwire::sim {
@@ -14,7 +15,6 @@ using fields::in;
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kChip_m = 293.05;  // C/A code, 1.023 MHz
 /// Two hits are of one wall when their planes agree so well.
 constexpr double kSameNormal = 0.996;  // 5 degrees

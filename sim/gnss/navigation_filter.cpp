@@ -19,7 +19,7 @@ using Covariance = NavigationFilter::Covariance;
 constexpr int kVelocity = 3;
 constexpr int kClock = 6;
 constexpr int kClockRate = 7;
-constexpr int kSystems = 8;
+constexpr int kClockSystems = 8;
 
 // Standard deviations of who knows nothing; clocks of the systems are broadcast to some metres.
 constexpr double kAnywhere_m = 1e4;
@@ -42,11 +42,11 @@ constexpr double kLowestSine = 0.087;
 int system_state(GnssSystem system) {
   switch (system) {
     case GnssSystem::glonass:
-      return kSystems;
+      return kClockSystems;
     case GnssSystem::galileo:
-      return kSystems + 1;
+      return kClockSystems + 1;
     case GnssSystem::beidou:
-      return kSystems + 2;
+      return kClockSystems + 2;
     default:
       return -1;
   }

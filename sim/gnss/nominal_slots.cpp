@@ -4,13 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "fields/constants.h"
 #include "sim/gnss/ephemeris.h"
 
 namespace rigwire::sim {
 namespace {
-
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 constexpr std::int32_t kEpochWeek = kNominalEpochWeek;
 constexpr auto kEpochOfWeek_s = static_cast<double>(kNominalEpochOfWeek_s);
@@ -69,7 +67,7 @@ double from_angle_steps(std::int64_t steps) {
 }
 
 std::int64_t angle_steps(double angle_rad) {
-  return std::llround(std::fmod(angle_rad, kTurn_rad) / kAngleStep_rad);
+  return std::llround(std::fmod(angle_rad, kTurn) / kAngleStep_rad);
 }
 
 std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
@@ -168,8 +166,8 @@ std::vector<NominalOrbit> walker(GnssSystem system, double semi_major_axis_m,
     orbit.semi_major_axis_m = semi_major_axis_m;
     orbit.inclination_rad = inclination_rad;
     // Walker 24/3/1: planes 120 deg apart, 45 deg in the plane, 15 deg from plane to plane.
-    orbit.ascending_node_rad = plane * kTurn_rad / 3.0 - kGreenwichAtEpoch_rad;
-    orbit.mean_anomaly_rad = place * kTurn_rad / 8.0 + plane * kTurn_rad / 24.0;
+    orbit.ascending_node_rad = plane * kTurn / 3.0 - kGreenwichAtEpoch_rad;
+    orbit.mean_anomaly_rad = place * kTurn / 8.0 + plane * kTurn / 24.0;
     orbit.mean_motion_radps =
         std::sqrt(kEarthGravity_m3ps2 / semi_major_axis_m) / semi_major_axis_m;
     orbits.push_back(orbit);
@@ -206,7 +204,7 @@ std::vector<NominalOrbit> quasi_zenith() {
     orbit.eccentricity = 0.075;
     orbit.inclination_rad = 41.0 * kDegree;
     orbit.argument_of_perigee_rad = 270.0 * kDegree;  // slow, and so long, in the north
-    orbit.mean_anomaly_rad = static_cast<double>(orbits.size()) * kTurn_rad / 3.0;
+    orbit.mean_anomaly_rad = static_cast<double>(orbits.size()) * kTurn / 3.0;
     // At the northernmost point, M = 180 deg, a quarter past the node, it stands at the centre.
     orbit.ascending_node_rad =
         (kCentre_deg - 90.0) * kDegree - (orbit.mean_anomaly_rad - std::numbers::pi);
@@ -259,12 +257,12 @@ SatelliteState nominal_state(const NominalOrbit& orbit, const GpsTime& time, dou
   eph.inclination_rad = orbit.inclination_rad;
   eph.argument_of_perigee_rad = orbit.argument_of_perigee_rad;
   eph.mean_anomaly_rad =
-      std::fmod(orbit.mean_anomaly_rad + orbit.mean_motion_radps * since_epoch_s, kTurn_rad);
+      std::fmod(orbit.mean_anomaly_rad + orbit.mean_motion_radps * since_epoch_s, kTurn);
   eph.mean_motion_difference =
       orbit.mean_motion_radps -
       std::sqrt(kEarthGravity_m3ps2 / orbit.semi_major_axis_m) / orbit.semi_major_axis_m;
   eph.ascending_node_rad = orbit.ascending_node_rad -
-                           std::fmod(kEarthRate_radps * since_epoch_s, kTurn_rad) +
+                           std::fmod(kEarthRate_radps * since_epoch_s, kTurn) +
                            kEarthRate_radps * whole_s;
   SatelliteState state = satellite_state(eph, time, offset_s);
   state.clock_s = 0.0;
@@ -321,8 +319,6 @@ KlobucharParameters nominal_ionosphere() {
 }
 
 GpsUtcParameters nominal_utc(std::int64_t interval) {
-  constexpr std::int64_t kSecond_ns = 1'000'000'000;
-  constexpr std::int64_t kDay_s = 86'400;
   constexpr std::int64_t kAnnounced_s = 182 * kDay_s;
   const Calendar calendar(UtcTime{});  // begins with GPS time
   const auto leap = [&](std::int64_t gps_s) {

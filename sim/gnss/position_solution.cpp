@@ -9,7 +9,7 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kWorstCondition = 1e10;
-constexpr double kWorstDilution = 100.0;
+constexpr double kWorstSolvedDilution = 100.0;
 constexpr std::size_t kClocks = 8;  // GnssSystem has values to 6
 constexpr int kMostUnknowns = 3 + static_cast<int>(kClocks);
 
@@ -135,7 +135,7 @@ std::optional<PositionSolution> solve_position(std::span<const RangeEquation> eq
   }
   PositionSolution solution;
   note_dilution(*unweighted, columns, solution);
-  if (!(solution.dilution.position <= kWorstDilution)) {
+  if (!(solution.dilution.position <= kWorstSolvedDilution)) {
     return std::nullopt;
   }
   const Column x = *inverse_normal * right;

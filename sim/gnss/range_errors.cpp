@@ -23,8 +23,8 @@ constexpr double kRateCorrelation_s = 2.5;  // of reflections in a range rate, a
 constexpr double kRateLength_m = 8.0;       // ... and over this way in motion
 /// Of the mistrust of a weak signal, what errors of weak signals are like.
 constexpr double kWeakShare = 0.5;
-constexpr double kUsual_db = 3.0;      // fading of an open sky: no reason to distrust a signal
-constexpr double kLowestSine = 0.087;  // 5 degrees: below, mappings are held
+constexpr double kUsual_db = 3.0;  // fading of an open sky: no reason to distrust a signal
+constexpr double kLowestMappedSine = 0.087;  // 5 degrees: below, mappings are held
 constexpr double kEarthRadius_km = 6371.0;
 constexpr double kLayerRadius_km = 6371.0 + 350.0;  // of the thin shell of the ionosphere
 
@@ -46,7 +46,7 @@ double multipath_correlation_s(const RangeErrorParameters& p, double speed_mps) 
 }
 
 double over_sine(double elevation_rad) {
-  return 1.0 / std::max(std::sin(elevation_rad), kLowestSine);
+  return 1.0 / std::max(std::sin(elevation_rad), kLowestMappedSine);
 }
 
 }  // namespace

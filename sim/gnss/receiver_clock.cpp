@@ -6,6 +6,7 @@
 #include <string>
 
 #include "fields/check.h"
+#include "fields/constants.h"
 #include "fields/visitor.h"
 
 namespace rigwire::sim {
@@ -115,7 +116,6 @@ ReceiverClock::Reading ReceiverClock::read(double since_second_s) const {
 }
 
 ClockEpoch ReceiverClock::measure(SimTime wanted) {
-  constexpr std::int64_t kSecond_ns = 1'000'000'000;
   const std::int64_t wanted_ns = wanted.time_since_epoch().count();
   reach(wanted_ns / kSecond_ns);
   const double since_second_s = static_cast<double>(wanted_ns - second_ * kSecond_ns) * 1e-9;

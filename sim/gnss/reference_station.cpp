@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
+#include "fields/constants.h"
 #include "sim/gnss/signal_path.h"
 #include "sim/samples/gnss_carriers.h"
 
@@ -129,7 +129,6 @@ bool ReferenceStation::bears_out(const Eigen::Vector3d& p_E_m, const Fit& fit, c
                                  const DelayOf& delay_of) const {
   constexpr std::array kSystems{GnssSystem::gps, GnssSystem::galileo, GnssSystem::beidou,
                                 GnssSystem::qzss};
-  constexpr double kTurn = 2.0 * std::numbers::pi;
   // The clock that goes with this place.
   double clock_m = fit.clock_m;
   std::vector<std::pair<double, double>> carriers;  // predicted part, wavelength

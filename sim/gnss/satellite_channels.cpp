@@ -7,10 +7,11 @@
 #include <numbers>
 #include <string>
 
+#include "fields/constants.h"
+
 namespace rigwire::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kNoSignal_dbhz = -std::numeric_limits<double>::infinity();
 /// All satellites of one transmitter close by: evenly strong, wherever they seem to be.
 constexpr double kSpoofedCn0_dbhz = 47.0;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "fields/check.h"
+#include "fields/constants.h"
 #include "fields/visitor.h"
 
 namespace rigwire::sim {
@@ -16,7 +17,6 @@ using fields::IntegerRule;
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kRim = 4;
 constexpr std::size_t kMostSamples = 16;
 

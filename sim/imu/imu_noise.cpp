@@ -11,13 +11,6 @@ constexpr double kSpacing = 10.0;
 /// Allan floor of flicker noise over its coefficient B: sqrt(2 ln 2 / pi).
 const double kFloorOfFlicker = std::sqrt(2.0 * std::numbers::ln2 / std::numbers::pi);
 
-Eigen::Vector3d gaussian3(RandomStream& random) {
-  const double x = random.gaussian();
-  const double y = random.gaussian();
-  const double z = random.gaussian();
-  return {x, y, z};
-}
-
 }  // namespace
 
 RandomErrors::RandomErrors(const RandomErrorParameters& parameters, RandomStream& random)

@@ -17,6 +17,14 @@
 
 namespace rigwire::sim {
 
+/// Returns independent standard normal numbers of the three axes, drawn in the order x, y, z.
+[[nodiscard]] inline Eigen::Vector3d gaussian3(RandomStream& random) {
+  const double x = random.gaussian();
+  const double y = random.gaussian();
+  const double z = random.gaussian();
+  return {x, y, z};
+}
+
 /// Units are those of the sensor's quantity: rad/s for a gyroscope, m/s2 for an accelerometer.
 struct RandomErrorParameters {
   double noise_density = 0.0;     ///< Unit / sqrt(Hz).

@@ -1,13 +1,11 @@
 // Parameter sets of real inertial units, in the units of their data sheets.
-#include <numbers>
 
+#include "fields/constants.h"
 #include "sim/imu/imu_sensor.h"
 
 namespace rigwire::sim {
 namespace {
 
-constexpr double kGravity_mps2 = 9.80665;
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kDegreePerHour = kDegree / 3600.0;
 constexpr double kMicroG = 1e-6 * kGravity_mps2;
 

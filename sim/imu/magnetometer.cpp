@@ -14,13 +14,6 @@ using fields::in;
 
 namespace {
 
-Eigen::Vector3d gaussian3(RandomStream& random) {
-  const double x = random.gaussian();
-  const double y = random.gaussian();
-  const double z = random.gaussian();
-  return {x, y, z};
-}
-
 const MagnetometerParameters& checked(const MagnetometerParameters& parameters) {
   validate(parameters);
   return parameters;

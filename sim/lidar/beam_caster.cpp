@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "fields/constants.h"
 #include "sim/lidar/beam_air.h"
 #include "sim/lidar/beam_sampler.h"
 #include "sim/lidar/counter_noise.h"
@@ -14,7 +15,6 @@ namespace rigwire::sim {
 namespace {
 
 constexpr std::size_t kMostSubRays = 1000 + 6;
-constexpr double kSpeedOfLight_mps = 299792458.0;
 
 SubRayAim aim_of(const SubRay& ray) {
   // Place in the plane across the beam at distance 1, and one over the ray's length to it.

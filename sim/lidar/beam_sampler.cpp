@@ -6,10 +6,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "fields/constants.h"
+
 namespace rigwire::sim {
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // All in half angles; found by minimising the error that beam_sampler.h states.
 constexpr double kCrossRadius = 0.7;

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
+
+#include "fields/constants.h"
 
 namespace rigwire::sim {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kSteepest_rad = 80.0 * kTurn / 360.0;
 /// Rows beyond the outermost look-ups, for what is read between pixels.
 constexpr double kRowMargin_px = 2.0;

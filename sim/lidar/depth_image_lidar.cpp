@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 
+#include "fields/constants.h"
 #include "sim/lidar/beam_air.h"
 #include "sim/lidar/beam_hits.h"
 #include "sim/lidar/counter_noise.h"
@@ -20,10 +20,8 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 /// What parallax may turn a beam that leaves beside the spin axis.
 constexpr double kHorizontalParallax_rad = 0.05;
-constexpr double kSpeedOfLight_mps = 299792458.0;
 
 double wrapped(double azimuth_rad) {
   const double turns = azimuth_rad / kTurn;

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "fields/constants.h"
 #include "sim/lidar/depth_image_lookup.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 /// Columns rendered beyond those that the beams point at.
 constexpr double kColumnMargin_px = 4.0;
 

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
+
+#include "fields/constants.h"
 
 namespace rigwire::sim {
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// Quantities that change linearly over a block: R_WS, position, velocity, angular velocity.
 constexpr std::size_t kMountColumns = 18;

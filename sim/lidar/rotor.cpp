@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "fields/check.h"
+#include "fields/constants.h"
 #include "fields/visitor.h"
 #include "sim/lidar/counter_noise.h"
 #include "sim/random.h"
@@ -17,7 +17,6 @@ using fields::in;
 
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr Duration kPeriod = std::chrono::milliseconds{1};
 constexpr double kPeriod_s = to_seconds(kPeriod);
 constexpr Duration kPulsePeriod = std::chrono::seconds{1};
@@ -27,12 +26,7 @@ constexpr double kSteadyRate_radps = 10.0;
 /// A speed that is as near as this to the wanted one takes it.
 constexpr double kSameRate_radps = 0.01;
 
-double within_turn(double angle_rad) {
-  const double angle = std::fmod(angle_rad, kTurn);
-  return angle < 0.0 ? angle + kTurn : angle;
-}
-
-/// The same for what left the turn by one turn at most.
+/// Returns the angle within [0, 2 pi), if it left that by one turn at most.
 double back_into_turn(double angle_rad) {
   return angle_rad >= kTurn ? angle_rad - kTurn : angle_rad < 0.0 ? angle_rad + kTurn : angle_rad;
 }

@@ -21,14 +21,22 @@
 // to s phase_time_s sqrt(T / (T + phase_time_s)), one sigma: 2.6 degrees for 1.5 rpm and 0.5 s.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string_view>
 
+#include "fields/constants.h"
 #include "fields/rules.h"
 #include "sim/samples/lidar_sample.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::sim {
+
+/// Returns the angle less whole turns, within [0, 2 pi).
+[[nodiscard]] inline double within_turn(double angle_rad) {
+  const double angle = std::fmod(angle_rad, kTurn);
+  return angle < 0.0 ? angle + kTurn : angle;
+}
 
 /// Azimuth and rate of the rotor, clockwise.
 struct RotorState {

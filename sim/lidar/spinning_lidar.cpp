@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "fields/constants.h"
 #include "sim/lidar/beam_caster.h"
 #include "sim/lidar/clear_echo.h"
 #include "sim/lidar/firing_block.h"
@@ -17,8 +17,6 @@
 
 namespace rigwire::sim {
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 void check(const LidarPattern& pattern, const SamplePlan& plan) {
   if (pattern.lasers.empty() || pattern.lasers.size() > kMaxLasers) {
@@ -41,11 +39,6 @@ bool is_plain(const SpinningLidarParameters& p) {
 SpinningLidarParameters with_rays(SpinningLidarParameters parameters, int sub_rays) {
   parameters.sub_rays = sub_rays;
   return parameters;
-}
-
-double within_turn(double angle_rad) {
-  const double angle = std::fmod(angle_rad, kTurn);
-  return angle < 0.0 ? angle + kTurn : angle;
 }
 
 double checked_view_width(const LidarCommand& command) {

@@ -6,10 +6,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "fields/constants.h"
+
 namespace rigwire::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;
 
 /// Spread of the five units' mean speeds, and how slowly one unit's changes.

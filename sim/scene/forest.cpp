@@ -22,7 +22,6 @@ using fields::plain;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kFriction = 0.6;
 /// Of the two ends of a fallen trunk that is modelled 1 m long and instanced by its length.
 constexpr double kFallenRadius = 0.022;

@@ -17,7 +17,6 @@ using fields::IntegerRule;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// A patch lies flat on uneven ground; its stalks begin this much below.
 constexpr double kBelowGround_m = 0.05;
 
@@ -75,18 +74,18 @@ TriangleMesh make_grass_patch(const GrassField& grass, RandomStream& random) {
   const auto stalks =
       static_cast<int>(std::lround(grass.stalks_per_m2 * grass.patch_m * grass.patch_m));
   // The mean width of a convex outline is its length over pi (Cauchy); here a triangle's.
-  const double corner_m = kPi * grass.diameter_m / (3.0 * std::numbers::sqrt3);
+  const double corner_m = std::numbers::pi * grass.diameter_m / (3.0 * std::numbers::sqrt3);
   const double foot_share = 1.0 + kBelowGround_m / grass.height_m;
   for (int i = 0; i < stalks; ++i) {
     const Eigen::Vector3d foot(grass.patch_m * random.uniform(-0.5, 0.5),
                                grass.patch_m * random.uniform(-0.5, 0.5), 0.0);
-    const double turn = random.uniform(0.0, 2.0 * kPi);
+    const double turn = random.uniform(0.0, 2.0 * std::numbers::pi);
     const Eigen::Vector3d along =
         Eigen::Vector3d(grass.lean_rad * random.gaussian(), grass.lean_rad * random.gaussian(), 1.0)
             .normalized();
     const auto first = static_cast<std::uint32_t>(patch.vertices.size());
     for (int corner = 0; corner < 3; ++corner) {
-      const double angle = turn + 2.0 * kPi * corner / 3.0;
+      const double angle = turn + 2.0 * std::numbers::pi * corner / 3.0;
       const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0.0);
       patch.vertices.push_back(
           (foot - kBelowGround_m * along + foot_share * corner_m * out).cast<float>());
@@ -132,7 +131,7 @@ void add_grass(const GrassField& grass, const HeightField& ground, std::span<con
         continue;
       }
       Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
-      const double quarter = 0.5 * kPi * static_cast<double>((bits >> 8U) % 4U);
+      const double quarter = 0.5 * std::numbers::pi * static_cast<double>((bits >> 8U) % 4U);
       X_WM.linear() = tilted_frame(ground, spot, 0.5 * grass.patch_m) *
                       Eigen::AngleAxisd(quarter, Eigen::Vector3d::UnitZ()).toRotationMatrix();
       X_WM.translation() << spot, ground.height_m(spot.x(), spot.y());

@@ -1,14 +1,13 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "fields/constants.h"
 #include "sim/scene/noise_field.h"
 #include "sim/scene/scene_description.h"
 
 namespace rigwire::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 /// Side slope of the cut through which the ramp runs.
 constexpr double kCutSlope = 1.7;
 /// Half width of a windrow's foot.

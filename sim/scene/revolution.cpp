@@ -2,15 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
+
+#include "fields/constants.h"
 
 namespace rigwire::sim {
-namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
-
-}  // namespace
-
 void add_revolution(TriangleMesh& mesh, const Eigen::Vector3d& foot_m, double yaw_rad, int sides,
                     std::span<const Ring> rings) {
   std::uint32_t below = 0;

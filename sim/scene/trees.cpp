@@ -22,11 +22,10 @@ using fields::plain;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Where the crown begins, as a share of the height.
 constexpr double kConiferCrownBase = 0.15;
 constexpr double kRoundCrownBase = 0.35;
-constexpr double kBelowGround_m = 0.3;
+constexpr double kTreeBelowGround_m = 0.3;
 constexpr int kTrunkSides = 8;
 constexpr int kCrownSides = 9;
 
@@ -134,7 +133,7 @@ std::vector<PlacedTree> place_trees(const TreeField& trees, const HeightField& g
       tree.foot_m << spot, ground.height_m(spot.x(), spot.y());
       tree.height_m = random.uniform(trees.smallest_m, trees.largest_m);
       tree.trunk_diameter_m = trees.trunk_diameter_m * tree.height_m / trees.largest_m;
-      tree.yaw_rad = random.uniform(0.0, 2.0 * kPi);
+      tree.yaw_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
       tree.conifer = random.uniform() < trees.conifer_share;
       break;
     }
@@ -155,8 +154,9 @@ ForestMeshes forest_meshes(std::span<const PlacedTree> trees, const Eigen::Vecto
     const Eigen::Vector3d foot = tree.foot_m - origin_m;
     const double h = tree.height_m;
     const double r = 0.5 * tree.trunk_diameter_m;
-    add_revolution(forest.trunks, foot, tree.yaw_rad, kTrunkSides,
-                   std::array<Ring, 3>{{{r, -kBelowGround_m}, {r, 0.3 * h}, {0.5 * r, 0.6 * h}}});
+    add_revolution(
+        forest.trunks, foot, tree.yaw_rad, kTrunkSides,
+        std::array<Ring, 3>{{{r, -kTreeBelowGround_m}, {r, 0.3 * h}, {0.5 * r, 0.6 * h}}});
     if (tree.conifer) {
       add_revolution(forest.crowns, foot, tree.yaw_rad, kCrownSides,
                      std::array<Ring, 4>{{{0.0, kConiferCrownBase * h},
@@ -180,10 +180,10 @@ Obstacle trunk_obstacle(const PlacedTree& tree) {
   const double top_m = (tree.conifer ? kConiferCrownBase : kRoundCrownBase) * tree.height_m;
   Obstacle trunk;
   trunk.shape = ObstacleShape::cylinder;
-  const double half_height_m = 0.5 * (std::max(top_m, 2.0) + kBelowGround_m);
+  const double half_height_m = 0.5 * (std::max(top_m, 2.0) + kTreeBelowGround_m);
   trunk.half_lengths_m = {0.5 * tree.trunk_diameter_m, 0.5 * tree.trunk_diameter_m, half_height_m};
   trunk.X_WO.translation() =
-      tree.foot_m + Eigen::Vector3d(0.0, 0.0, half_height_m - kBelowGround_m);
+      tree.foot_m + Eigen::Vector3d(0.0, 0.0, half_height_m - kTreeBelowGround_m);
   trunk.friction = 0.6;
   root(trunk, tree.conifer ? Wood::spruce : Wood::broadleaf, tree.trunk_diameter_m, tree.height_m);
   return trunk;

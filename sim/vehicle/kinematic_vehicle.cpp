@@ -6,7 +6,7 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr int kMostPasses = 6;
+constexpr int kKinematicPasses = 6;
 constexpr double kHoldDampingRatio = 0.7;
 constexpr double kSteep = 0.87;  // Cosine, 30 degrees about the body's z.
 
@@ -127,7 +127,7 @@ double KinematicVehicle::drive(double h) {
       }
     }
     change = impulse / weight;
-    if (pass >= kMostPasses) {
+    if (pass >= kKinematicPasses) {
       break;
     }
     const double trial = law.at(v + change);

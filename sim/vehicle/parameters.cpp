@@ -5,6 +5,7 @@
 #include <string>
 
 #include "fields/check.h"
+#include "fields/constants.h"
 #include "fields/visitor.h"
 #include "sim/principal_inertia.h"
 
@@ -14,8 +15,6 @@ using fields::in;
 using fields::plain;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 constexpr std::array<fields::Choice<VehicleLevel>, 3> kVehicleLevels{
     {{VehicleLevel::kinematic, "kinematic", "Bicycle without slip along the terrain."},

@@ -11,9 +11,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kMostPasses = 12;
+constexpr int kPlanarPasses = 12;
 constexpr double kLoadLag_s = 0.1;
-constexpr double kSteep = 0.87;  // Cosine, 30 degrees about the body's z.
+constexpr double kPlanarSteep = 0.87;  // Cosine, 30 degrees about the body's z.
 // The unknowns of this level among those of VelocitySystem: ahead, left, yaw, wheels.
 constexpr std::array<std::size_t, 3> kPlane{0, 1, 5};
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
@@ -110,7 +110,7 @@ void PlanarVehicle::meet_obstacles(double h, const Velocities& start) {
     VehicleContactRows& rows =
         contact_rows_.emplace_back(contact_rows(point, R_WB, p_C, nullptr, 0));
     // Moves in its plane only: what pushes it up or down more than along it does not hold it.
-    const bool steep = std::abs(R_WB.col(2).dot(point.direction_W[0])) > kSteep;
+    const bool steep = std::abs(R_WB.col(2).dot(point.direction_W[0])) > kPlanarSteep;
     for (VelocityRow& row : rows.rows) {
       row.value[2] = row.value[3] = row.value[4] = 0.0;
       if (steep) {
@@ -214,7 +214,7 @@ void PlanarVehicle::inner_step(double h) {
     for (Eigen::Index i = 0; i < 7; ++i) {
       found[place(i)] = start[place(i)] + change[i];
     }
-    if (pass >= kMostPasses) {
+    if (pass >= kPlanarPasses) {
       break;
     }
     bool changed = near_ && contacts_change(found, contact_.points(), contact_rows_);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fields/constants.h"
 #include "sim/inner_steps.h"
 #include "sim/odometry/odometry.h"
 #include "sim/vehicle/full_vehicle.h"
@@ -13,8 +14,6 @@
 
 namespace rigwire::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 const WheeledVehicleParameters& validated(const WheeledVehicleParameters& parameters) {
   validate(parameters);

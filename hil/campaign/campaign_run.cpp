@@ -28,6 +28,7 @@
 #include "fields/rules.h"
 #include "hil/campaign/campaign_folder.h"
 #include "hil/campaign/judge.h"
+#include "hil/configuration/build_facts.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/control/control_client.h"
@@ -465,7 +466,7 @@ RunResult run_one(const LoadedCampaign& campaign, const PlannedRun& run, const s
   if (is_done(place)) {
     return {RunEnd::was_done, {}, 0};
   }
-  Json result{{"index", run.index},           {"seed", run.seed},     {"version", RIGWIRE_VERSION},
+  Json result{{"index", run.index},           {"seed", run.seed},     {"version", version()},
               {"parameters", Json::object()}, {"outcome", "crashed"}, {"what", nullptr}};
   std::size_t column = 0;
   for (const auto& [name, parameter] : campaign.campaign.parameters) {

@@ -21,7 +21,7 @@
 namespace rigwire::hil {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using PlainJson = nlohmann::json;
 
 namespace {
 
@@ -36,16 +36,16 @@ Number whole(const CsvTable& table, const std::string& text) {
   return number;
 }
 
-std::string text_of(const Json& value) {
+std::string text_of(const PlainJson& value) {
   return value.is_string() ? value.get<std::string>() : std::string();
 }
 
-std::optional<double> number_of(const Json& value) {
+std::optional<double> number_of(const PlainJson& value) {
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
 
-/// Throws Json::exception and std::invalid_argument.
-void fill(CampaignRow& row, const Json& result) {
+/// Throws PlainJson::exception and std::invalid_argument.
+void fill(CampaignRow& row, const PlainJson& result) {
   const std::string outcome = result.at("outcome");
   const auto known = std::ranges::find(kOutcomes, outcome);
   if (known > kOutcomes.begin() + 2) {
@@ -80,7 +80,8 @@ void look_at(CampaignRow& row, const fs::path& folder) {
     return;
   }
   try {
-    const Json result = Json::parse(std::string{std::istreambuf_iterator<char>(stream), {}});
+    const PlainJson result =
+        PlainJson::parse(std::string{std::istreambuf_iterator<char>(stream), {}});
     fill(row, result);
     if (row.outcome != Outcome::crashed && !is_done(folder)) {
       row.outcome = Outcome::unfinished;

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "hil/configuration/build_facts.h"
+
 namespace rigwire::hil {
 namespace {
 
@@ -21,7 +23,7 @@ Exit codes: 0 done, 1 run-time failure, 2 usage or configuration, 3 environment 
 }  // namespace
 
 void declare(CLI::App& app, Parsed& parsed) {
-  app.set_version_flag("--version", "rigwire " RIGWIRE_VERSION, "Print the version");
+  app.set_version_flag("--version", "rigwire " + version(), "Print the version");
   app.set_help_flag("-h,--help", "Print this help");
   app.footer(kFooter);
   const auto rig = [&](CLI::App* verb) {

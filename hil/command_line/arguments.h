@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "hil/command_line/verbs.h"
-#include "hil/conformance/conform.h"
 #include "hil/record/recorder.h"
 
 namespace CLI {

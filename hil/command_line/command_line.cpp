@@ -1,5 +1,6 @@
 #include "hil/command_line/command_line.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -21,9 +23,9 @@
 #include "hil/command_line/manual_page.h"
 #include "hil/command_line/status_reporter.h"
 #include "hil/command_line/verbs.h"
+#include "hil/configuration/build_facts.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
-#include "hil/conformance/conform.h"
 
 namespace rigwire::hil {
 
@@ -432,8 +434,8 @@ int dispatch_replay(const Parsed& parsed, Terminal terminal) {
   return replay_verb(parsed.recording, piece, std::move(options), terminal);
 }
 
-int dispatch_conform(Parsed& parsed, Terminal terminal) {
-  const std::vector<std::string> suites = conformance_suites();
+int dispatch_conform(Parsed& parsed, const CompanionVerbs& companions, Terminal terminal) {
+  const std::vector<std::string> suites = companions.conformance_suites();
   if (std::ranges::find(suites, parsed.conform.suite) == suites.end()) {
     return refuse_word("suite", parsed.conform.suite, suites, terminal);
   }
@@ -449,10 +451,25 @@ int dispatch_conform(Parsed& parsed, Terminal terminal) {
     }
     parsed.conform.listen = *listen;
   }
-  return conform(parsed.conform, terminal.out, terminal.err);
+  return companions.conform(parsed.conform, terminal.out, terminal.err);
 }
 
-int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
+/// The program that has the verb which was asked for, if it is not this one.
+std::optional<std::string> program_of(const CLI::App& app, const Parsed& parsed,
+                                      const CompanionVerbs& companions) {
+  if (app.got_subcommand("conform") && companions.conform == nullptr) {
+    return "rigwire-conform";
+  }
+  const bool campaigns =
+      app.got_subcommand("campaign") || (app.got_subcommand("schema") && parsed.word == "campaign");
+  if (campaigns && companions.campaign == nullptr) {
+    return "rigwire-campaign";
+  }
+  return std::nullopt;
+}
+
+int dispatch(const CLI::App& app, Parsed& parsed, const CompanionVerbs& companions,
+             Terminal terminal) {
   if (app.got_subcommand("picture")) {
     return dispatch_picture(parsed, terminal);
   }
@@ -500,28 +517,33 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     return dispatch_ctl(parsed, terminal);
   }
   if (app.got_subcommand("schema")) {
+    if (parsed.word == "campaign") {
+      terminal.out << companions.campaign_schema();
+      return static_cast<int>(ExitCode::done);
+    }
     return schema_verb(parsed.word.empty() ? "rig" : parsed.word, terminal);
   }
   if (app.got_subcommand("doctor")) {
     return doctor_verb(parsed.json, terminal);
   }
   if (app.got_subcommand("conform")) {
-    return dispatch_conform(parsed, terminal);
+    return dispatch_conform(parsed, companions, terminal);
   }
   if (app.got_subcommand("man")) {
-    terminal.out << manual_page(app, RIGWIRE_VERSION);
+    terminal.out << manual_page(app, version());
     return static_cast<int>(ExitCode::done);
   }
   if (app.got_subcommand("campaign")) {
-    return campaign_verb(parsed.campaign, terminal);
+    return companions.campaign(parsed.campaign, terminal);
   }
   if (app.got_subcommand("bench")) {
-    return bench_verb(app.get_subcommand("bench")->remaining(), terminal);
+    return become_program("rigwire-bench", app.get_subcommand("bench")->remaining(), terminal);
   }
   return completion_verb(parsed.word, terminal);
 }
 
-int parse_and_dispatch(const std::vector<std::string>& arguments, Terminal terminal) {
+int parse_and_dispatch(const std::vector<std::string>& arguments, const CompanionVerbs& companions,
+                       Terminal terminal) {
   for (const std::string& argument : arguments) {
     if (const auto fault = find_fault(argument, TextShape::lines)) {
       return usage(
@@ -567,7 +589,10 @@ int parse_and_dispatch(const std::vector<std::string>& arguments, Terminal termi
     return refuse_empty(*name);
   }
   try {
-    return dispatch(app, parsed, terminal);
+    if (const auto program = program_of(app, parsed, companions)) {
+      return become_program(*program, arguments, terminal);
+    }
+    return dispatch(app, parsed, companions, terminal);
   } catch (const ConfigurationError& error) {
     terminal.err << error.what() << "\n";
     const std::size_t count = error.problems().size();
@@ -589,12 +614,12 @@ int parse_and_dispatch(const std::vector<std::string>& arguments, Terminal termi
 }  // namespace
 
 int run_command_line(const std::vector<std::string>& arguments, std::ostream& out,
-                     std::ostream& err) {
+                     std::ostream& err, const CompanionVerbs& companions) {
   constexpr std::string_view kLayout = "\n\t";
   constexpr std::string_view kFileLayout = "\r\n\t";  // what an EDS file must have
   std::ostringstream results;
   std::ostringstream complaints;
-  int code = parse_and_dispatch(arguments, {results, complaints});
+  int code = parse_and_dispatch(arguments, companions, {results, complaints});
   errno = 0;
   out << printable(results.str(), kFileLayout) << std::flush;
   const int error = errno;
@@ -604,6 +629,16 @@ int run_command_line(const std::vector<std::string>& arguments, std::ostream& ou
     code = code == static_cast<int>(ExitCode::done) ? static_cast<int>(ExitCode::failure) : code;
   }
   return code;
+}
+
+int run_program(int count, char** arguments, const CompanionVerbs& companions) {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(descriptor, F_GETFD) < 0) {
+      static_cast<void>(::open("/dev/null", O_RDWR));
+    }
+  }
+  return run_command_line(std::vector<std::string>(arguments + 1, arguments + count), std::cout,
+                          std::cerr, companions);
 }
 
 }  // namespace rigwire::hil

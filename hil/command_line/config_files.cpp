@@ -6,6 +6,7 @@
 #include <set>
 #include <system_error>
 
+#include "hil/configuration/build_facts.h"
 #include "hil/configuration/document.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/problems.h"
@@ -33,9 +34,7 @@ std::vector<fs::path> config_folders() {
   if (!error) {
     candidates.push_back(program.parent_path().parent_path() / "share/rigwire/configs");
   }
-#ifdef RIGWIRE_CONFIG_DIR
-  candidates.emplace_back(RIGWIRE_CONFIG_DIR);
-#endif
+  candidates.emplace_back(source_configs());
   std::erase_if(candidates, [](const fs::path& path) {
     std::error_code ignored;
     return !fs::is_directory(path, ignored);

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "fields/visitor.h"
-#include "hil/campaign/campaign_file.h"
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/document.h"
@@ -323,8 +322,6 @@ int schema_verb(const std::string& of, Terminal terminal) {
     terminal.out << schema_of(emulators::ValveMap{}, "Rigwire: the registers of a valve driver");
   } else if (of == "dbc-node") {
     terminal.out << schema_of(DbcNodeBinding{}, "Rigwire: the binding of a CAN device");
-  } else if (of == "campaign") {
-    terminal.out << schema_of(Campaign{}, "Rigwire: a campaign");
   } else {
     return refuse_word("kind of file", of,
                        {"rig", "machine", "scene", "valve-map", "dbc-node", "campaign"}, terminal);

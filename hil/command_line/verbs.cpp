@@ -501,9 +501,10 @@ int show_verb(const std::string& folder, RunOptions options, SimTime from) {
   return show_recording(folder, std::move(options), from);
 }
 
-int bench_verb(const std::vector<std::string>& arguments, Terminal terminal) {
+int become_program(const std::string& name, const std::vector<std::string>& arguments,
+                   Terminal terminal) {
   const std::filesystem::path program =
-      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "rigwire-bench";
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
   // argv as execv() takes it: the program's name first, a null pointer last.
   std::vector<std::string> words{program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -516,7 +517,7 @@ int bench_verb(const std::vector<std::string>& arguments, Terminal terminal) {
   ::execv(words.front().c_str(), pointers.data());
   const int error = errno;
   terminal.err << fmt::format("rigwire: cannot start {}: {}", words.front(), std::strerror(error))
-               << (error == ENOENT ? "; build it: scripts/build.sh release rigwire-bench\n" : "\n");
+               << (error == ENOENT ? "; build it: scripts/build.sh release " + name + "\n" : "\n");
   return static_cast<int>(ExitCode::environment);
 }
 

@@ -1,6 +1,9 @@
 // What each verb does, apart from parsing its options.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -42,7 +45,8 @@ struct Terminal {
 [[nodiscard]] int describe_valve_map_verb(const std::string& file, Terminal terminal);
 /// The messages of a CAN device of the user's own (hil/files/dbc_node_file.h).
 [[nodiscard]] int describe_dbc_node_verb(const std::string& file, Terminal terminal);
-/// A JSON Schema of files: rig, machine, scene, valve-map, dbc-node.
+/// A JSON Schema of files: rig, machine, scene, valve-map, dbc-node. That of campaigns has the
+/// program rigwire-campaign.
 [[nodiscard]] int schema_verb(const std::string& of, Terminal terminal);
 /// The DBC file of a bus; of the only one when `bus` is empty.
 [[nodiscard]] int dbc_verb(const RigArguments& rig, const std::string& bus,
@@ -50,8 +54,9 @@ struct Terminal {
 /// The EDS file of a CANopen node; of the only one when `device` is empty.
 [[nodiscard]] int eds_verb(const RigArguments& rig, const std::string& device, Terminal terminal);
 [[nodiscard]] int doctor_verb(bool json, Terminal terminal);
-/// Becomes the program rigwire-bench; returns only when that is not possible.
-[[nodiscard]] int bench_verb(const std::vector<std::string>& arguments, Terminal terminal);
+/// Becomes the program `name` beside this one; returns only when that is not possible.
+[[nodiscard]] int become_program(const std::string& name, const std::vector<std::string>& arguments,
+                                 Terminal terminal);
 /// What `rigwire ctl` was asked to ask.
 struct CtlRequest {
   std::string verb;
@@ -80,6 +85,33 @@ struct CtlRequest {
                               RunOptions options, Terminal terminal);
 /// Shows it on a page, from that instant on.
 [[nodiscard]] int show_verb(const std::string& folder, RunOptions options, SimTime from);
+/// What `rigwire conform` was asked to do.
+struct ConformRequest {
+  std::string suite;
+  /// "tcp:ADDRESS[:PORT]", "serial:PATH[@BAUD]", "rig:RIG#DEVICE[@BAUD]": a run of ours, started
+  /// for it.
+  std::string endpoint;
+  std::string profile;  ///< File; of nmea may be empty.
+  std::vector<std::string> wanted;
+  bool writes = false;
+  bool robustness = false;
+  /// The endpoint once more, as it stands there: leave to move the machine behind it,
+  /// or to lose the device.
+  std::optional<std::string> moves;
+  bool allow_remote = false;
+  bool list = false;                    ///< Print the cases that are wanted; ask nobody.
+  bool make_profile = false;            ///< Print what the device answers to as a profile.
+  unsigned addresses = 1000;            ///< With make_profile: those below are looked for.
+  std::optional<std::uint8_t> address;  ///< With make_profile of j1939: the node that is meant.
+  std::chrono::nanoseconds listen = std::chrono::seconds{10};  ///< To who speaks by itself.
+  std::string expectations;                                    ///< File of known deviations.
+  std::string json;  ///< Files; empty: not written, "-": standard output.
+  std::string junit;
+  std::string html;
+  std::vector<std::string> beside;  ///< JSON files that the HTML page shows too.
+  std::string captures;             ///< Folder of a pcapng file for each case.
+};
+
 /// What `rigwire campaign` was asked to do.
 struct CampaignRequest {
   std::string action;  ///< expand, run, collect, report
@@ -89,7 +121,6 @@ struct CampaignRequest {
   std::string html;
   std::vector<std::string> axes;
 };
-[[nodiscard]] int campaign_verb(const CampaignRequest& request, Terminal terminal);
 [[nodiscard]] int completion_verb(const std::string& shell, Terminal terminal);
 
 /// One row per device: name, type, wire, what it sends by itself. For --dry-run.

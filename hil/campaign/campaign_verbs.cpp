@@ -1,4 +1,6 @@
 // rigwire campaign expand, run, collect and report.
+#include "hil/campaign/campaign_verbs.h"
+
 #include <fmt/format.h>
 
 #include <charconv>
@@ -11,7 +13,7 @@
 #include "hil/campaign/collect.h"
 #include "hil/campaign/spread.h"
 #include "hil/command_line/config_files.h"
-#include "hil/command_line/verbs.h"
+#include "hil/configuration/schema.h"
 #include "hil/record/output_file.h"
 #include "hil/rig/rig_configuration.h"
 
@@ -197,6 +199,10 @@ int campaign_verb(const CampaignRequest& request, Terminal terminal) {
          : reports                     ? report(request, terminal)
          : request.action == "collect" ? collect(request, terminal)
                                        : expand(request, terminal);
+}
+
+std::string campaign_schema() {
+  return schema_of(Campaign{}, "Rigwire: a campaign");
 }
 
 }  // namespace rigwire::hil

@@ -3,8 +3,8 @@
 #
 #   scripts/build.sh PRESET [TARGET...]
 #
-# `release` and `check` share the folder build/: once `check` has added the tests to it, they stay.
-# That first `check` builds again what `release` built, since only it has the compiler's warnings.
+# `release` and `check` share the folder build/ and all objects in it: `check` adds the tests, and
+# they stay. A terminal shows one line that moves, a log a line each ten per cent.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -22,7 +22,7 @@ if [ -e "$directory/CMakeCache.txt" ] &&
   echo "$directory was made for another place; configuring it anew"
   rm -rf "$directory/CMakeCache.txt" "$directory/CMakeFiles" "$directory/build.ninja"
 fi
-without_tests() { # whether what ninja knows of the folder are the programs alone
+without_tests() { # whether ninja knows only the programs of the folder
   [ ! -e "$directory/tests/CTestTestfile.cmake" ] ||
     ! grep -qx 'RIGWIRE_TESTS:BOOL=ON' "$directory/CMakeCache.txt"
 }
@@ -33,14 +33,34 @@ if [ ! -e "$directory/build.ninja" ] || { [ "$preset" = check ] && without_tests
     exit 1
   fi
 fi
-# Embree- and Eigen-heavy sources take about 1.5 GB each: no more jobs than memory allows.
+# A group of sources takes up to 2 GB: no more jobs than memory allows.
 jobs=$(nproc)
 memory_gb=$(awk '/MemAvailable/ {print int($2 / 1000000)}' /proc/meminfo)
-if [ $((memory_gb * 2 / 3)) -lt "$jobs" ]; then jobs=$((memory_gb * 2 / 3)); fi
+if [ $((memory_gb / 2)) -lt "$jobs" ]; then jobs=$((memory_gb / 2)); fi
 if [ "$jobs" -lt 1 ]; then jobs=1; fi
-# Progress for a person at a terminal; only warnings and errors in a log.
+
+# What is to come, of a folder in which nothing was built yet. A step takes about 8 s of a processor.
+if [ ! -e "$directory/.ninja_log" ]; then
+  ninja -C "$directory" --quiet build.ninja
+  steps=$(ninja -C "$directory" -t commands "$@" | wc -l)
+  echo "Building in $steps steps, $jobs at a time: about $(((steps * 8 / jobs + 59) / 60)) min," \
+    "less where the compiler's cache has some of them"
+fi
 if [ -t 1 ]; then
   NINJA_STATUS='building %f of %t  ' ninja -C "$directory" -j "$jobs" "$@"
-else
-  ninja --quiet -C "$directory" -j "$jobs" "$@" | { grep -v '^ninja: no work to do' || true; }
+  exit
 fi
+# Ninja's own lines are marked, so that all others (warnings, errors) pass.
+NINJA_STATUS=$'\x01%f %t ' ninja -C "$directory" -j "$jobs" "$@" 2>&1 | awk '
+  /^\001/ {
+    done = substr($1, 2)
+    if ($2 > 9 && int(10 * done / $2) > tenth) {
+      tenth = int(10 * done / $2)
+      sub(/^[^ ]+ [^ ]+ /, "")
+      printf "building, %d %%: %s\n", 10 * tenth, $0
+      fflush()
+    }
+    next
+  }
+  /^ninja: (no work to do|Entering directory)/ { next }
+  { print; fflush() }'

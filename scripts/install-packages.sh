@@ -77,6 +77,9 @@ fi
 apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Dpkg::Use-Pty=0
   -o DPkg::Lock::Timeout=300)
 "${apt[@]}" update
+# What is to come: with what these packages need.
+"${apt[@]}" --assume-no install --no-install-recommends "${missing[@]}" 2>/dev/null |
+  grep -E '^(Need to get|After this operation)|newly installed' || true
 "${apt[@]}" install --no-install-recommends "${missing[@]}"
 
 if [[ " ${missing[*]} " == *" gpsd "* ]] && [ -d /run/systemd/system ]; then

@@ -90,7 +90,8 @@ def known_tests(build, pattern=None):
     arguments = ['ctest', '--test-dir', build, '--show-only=json-v1']
     if pattern is not None:
         arguments += ['-R', pattern]
-    shown = subprocess.run(arguments, check=True, capture_output=True, text=True)
+    each = {**os.environ, 'RIGWIRE_EACH_TEST': '1'}  # tests/support/list_tests.py
+    shown = subprocess.run(arguments, check=True, capture_output=True, text=True, env=each)
     if 'RegularExpression::compile' in shown.stderr:
         sys.exit(f'check: no regular expression: {pattern}\n{shown.stderr.strip()}')
     for test in json.loads(shown.stdout)['tests']:

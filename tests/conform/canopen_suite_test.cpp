@@ -142,12 +142,12 @@ TEST_P(CanopenMutant, IsNoticed) {
   EXPECT_THAT(wrong_in(judge(claims(), saying, hearing, fault, {found_by})), Not(IsEmpty()));
 }
 
-const std::vector<Frame> kNone;
+const std::vector<Frame> kNoFrames;
 
 INSTANTIATE_TEST_SUITE_P(
     , CanopenMutant,
     testing::
-        Values(Mutant{"silent", "canopen/7.2.4.3.5", [](const Frame&) { return kNone; }},
+        Values(Mutant{"silent", "canopen/7.2.4.3.5", [](const Frame&) { return kNoFrames; }},
                Mutant{"short_answers", "canopen/7.2.4.3.5",
                       answers([](Frame& f) { f.length = 4; })},
                Mutant{"answers_of_another_object", "canopen/7.2.4.3.5",
@@ -205,11 +205,11 @@ INSTANTIATE_TEST_SUITE_P(
                Mutant{"obeys_nothing",
                       "canopen/7.2.8.3.1.1",
                       {},
-                      with_id(0, [](Frame) { return kNone; })},
+                      with_id(0, [](Frame) { return kNoFrames; })},
                Mutant{"no_boot_up", "canopen/7.2.8.3.1.1",
                       with_id(0x700U + kNode,
                               [](Frame frame) {
-                                return frame.data[0] == 0 ? kNone : std::vector{frame};
+                                return frame.data[0] == 0 ? kNoFrames : std::vector{frame};
                               })},
                Mutant{"heartbeats_of_two_bytes", "canopen/7.2.8.3.2.2",
                       with_id(0x700U + kNode,
@@ -232,7 +232,7 @@ INSTANTIATE_TEST_SUITE_P(
                       with_id(0x180U + kNode,
                               [odd = std::make_shared<bool>(false)](Frame frame) {
                                 *odd = !*odd;
-                                return *odd ? kNone : std::vector{frame};
+                                return *odd ? kNoFrames : std::vector{frame};
                               })},
                Mutant{"pdo_too_short", "canopen/7.2.2/3",
                       with_id(0x180U + kNode,
@@ -249,7 +249,7 @@ INSTANTIATE_TEST_SUITE_P(
                Mutant{"deaf_to_synchronisation",
                       "canopen/7.2.5",
                       {},
-                      with_id(0x80, [](Frame) { return kNone; })},
+                      with_id(0x80, [](Frame) { return kNoFrames; })},
                Mutant{"pdo_before_start",
                       "canopen/7.2.8.2.1",
                       {},

@@ -59,7 +59,7 @@ IsoValveClaims claims() {
   return claims;
 }
 
-constexpr bool kWrites = true;
+constexpr bool kWithWrites = true;
 constexpr bool kRobustness = true;
 constexpr bool kMoves = true;
 
@@ -68,7 +68,7 @@ SuiteResult judge(const Change& saying = {}, const Change& hearing = {}, const F
   IsoValveDevice device;
   device.open = [&] { return std::make_unique<EmulatedValves>(saying, hearing, fault); };
   device.claims = claims();
-  return run_iso_valve_suite(device, {wanted, kWrites, kRobustness, kMoves});
+  return run_iso_valve_suite(device, {wanted, kWithWrites, kRobustness, kMoves});
 }
 
 TEST(IsoValveSuite, OurValvesAreRight) {
@@ -116,7 +116,7 @@ TEST(IsoValveSuite, ATimeOutThatIsLongerThanClaimedIsNoticed) {
   };
   device.claims = claims();
   const SuiteResult result =
-      run_iso_valve_suite(device, {{"iso11783-valves/AVC"}, kWrites, kRobustness, kMoves});
+      run_iso_valve_suite(device, {{"iso11783-valves/AVC"}, kWithWrites, kRobustness, kMoves});
   EXPECT_THAT(wrong_ids(result),
               testing::UnorderedElementsAre("iso11783-valves/AVC/12", "iso11783-valves/AVC/13",
                                             "iso11783-valves/AVC/15"));

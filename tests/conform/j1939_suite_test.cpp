@@ -26,7 +26,7 @@ using Change = EmulatedNode::Change;
 using Frame = EmulatedNode::Frame;
 using Fault = std::function<void(EngineController&)>;
 
-constexpr std::uint8_t kNone = 254;
+constexpr std::uint8_t kNoAddress = 254;
 
 std::uint8_t source_of(const Frame& frame) {
   return static_cast<std::uint8_t>(frame.id);
@@ -207,7 +207,7 @@ Mutant goes_on(const char* name, const char* found_by, std::uint8_t source) {
     std::vector<Frame> all{other};
     if (state->lost && !state->told) {
       state->told = true;
-      state->claim.id |= kNone;
+      state->claim.id |= kNoAddress;
       all.insert(all.begin(), state->claim);
     }
     return all;
@@ -368,12 +368,13 @@ INSTANTIATE_TEST_SUITE_P(, J1939Mutant,
                                          Mutant{"does_not_say_that_it_lost", "j1939-81/lost/1",
                                                 without(is_group(J1939Trial::kClaim,
                                                                  [](const Frame& f) {
-                                                                   return source_of(f) == kNone;
+                                                                   return source_of(f) ==
+                                                                          kNoAddress;
                                                                  }))},
                                          goes_on("speaks_with_the_lost_address", "j1939-81/lost/2",
                                                  0),
                                          goes_on("speaks_without_an_address", "j1939-81/lost/3",
-                                                 kNone),
+                                                 kNoAddress),
                                          deaf_behind_the_loss("deaf_without_an_address",
                                                               "j1939-81/lost/4"),
                                          Mutant{"slow",

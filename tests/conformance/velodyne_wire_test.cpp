@@ -44,17 +44,17 @@ float range_of(std::int64_t firing, std::size_t laser) {
                    1.37F * static_cast<float>(laser);
 }
 
-struct Case {
+struct VelodyneWireCase {
   const char* model;
   const char* product;
   int firings_per_block;
 };
 
-void PrintTo(const Case& c, std::ostream* out) {
+void PrintTo(const VelodyneWireCase& c, std::ostream* out) {
   *out << c.model;
 }
 
-class VelodyneConformance : public testing::TestWithParam<Case> {};
+class VelodyneConformance : public testing::TestWithParam<VelodyneWireCase> {};
 
 TEST_P(VelodyneConformance, IndependentDissectorReadsTheTruth) {
   const auto file = std::filesystem::temp_directory_path() /
@@ -172,8 +172,9 @@ TEST_P(VelodyneConformance, IndependentDissectorReadsTheTruth) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, VelodyneConformance,
-                         testing::Values(Case{"HDL-32E", "0x21", 1}, Case{"VLP-16", "0x22", 2},
-                                         Case{"Puck Hi-Res", "0x24", 2}),
+                         testing::Values(VelodyneWireCase{"HDL-32E", "0x21", 1},
+                                         VelodyneWireCase{"VLP-16", "0x22", 2},
+                                         VelodyneWireCase{"Puck Hi-Res", "0x24", 2}),
                          [](const auto& test) {
                            std::string name = test.param.model;
                            std::erase_if(name,

@@ -7,11 +7,12 @@
 namespace rigwire::dig_cycle {
 namespace {
 
-constexpr double kStep_s = 0.02;
+constexpr double kDigCycleJointControlStep_s = 0.02;
 
 TEST(DigCycleJointControl, OpensTheCylinderThatMovesTowardsTheTarget) {
   JointControl control(Machine{}, {});
-  const PerJoint openings = control.update({0.5, 0.5, -1.5, 0.5}, {0.0, 0.0, -1.0, 0.0}, kStep_s);
+  const PerJoint openings =
+      control.update({0.5, 0.5, -1.5, 0.5}, {0.0, 0.0, -1.0, 0.0}, kDigCycleJointControlStep_s);
   EXPECT_GT(openings[swing], 0.0) << "left";
   EXPECT_GT(openings[boom], 0.0) << "cylinder out raises the boom";
   EXPECT_GT(openings[stick], 0.0) << "cylinder out pulls the stick in: the angle falls";
@@ -24,9 +25,11 @@ TEST(DigCycleJointControl, SlopeLimitsEveryChange) {
   PerJoint last{};
   for (int i = 0; i < 200; ++i) {
     const double target = i % 40 < 20 ? 1.0 : -0.5;
-    const PerJoint now = control.update({target, target, -1.0, target}, {}, kStep_s);
+    const PerJoint now =
+        control.update({target, target, -1.0, target}, {}, kDigCycleJointControlStep_s);
     for (std::size_t joint = 0; joint < kJoints; ++joint) {
-      ASSERT_LE(std::abs(now[joint] - last[joint]), settings.slope_per_s * kStep_s + 1e-12);
+      ASSERT_LE(std::abs(now[joint] - last[joint]),
+                settings.slope_per_s * kDigCycleJointControlStep_s + 1e-12);
       ASSERT_LE(std::abs(now[joint]), settings.largest_opening[joint] + 1e-12);
     }
     last = now;
@@ -39,9 +42,10 @@ TEST(DigCycleJointControl, NeverDrivesIntoAStop) {
   PerJoint angles{0.0, 40.0 * kDegree, -100.0 * kDegree, 0.0};
   const PerJoint beyond{0.0, 3.0, -6.0, -3.0};
   for (int i = 0; i < 3000; ++i) {
-    const PerJoint openings = control.update(beyond, angles, kStep_s);
+    const PerJoint openings = control.update(beyond, angles, kDigCycleJointControlStep_s);
     for (std::size_t joint = 0; joint < kJoints; ++joint) {
-      angles[joint] += openings[joint] * machine.opening_sign[joint] * 0.5 * kStep_s;
+      angles[joint] +=
+          openings[joint] * machine.opening_sign[joint] * 0.5 * kDigCycleJointControlStep_s;
     }
     for (const Joint joint : {boom, stick, bucket}) {
       ASSERT_LE(angles[joint], machine.upper_rad[joint] - 1.5 * kDegree);
@@ -55,7 +59,8 @@ TEST(DigCycleJointControl, LeavesAStopThatTheJointAlreadyStandsOn) {
   JointControl control(machine, {});
   const PerJoint at_stops{0.0, machine.upper_rad[boom], machine.lower_rad[stick],
                           machine.lower_rad[bucket]};
-  const PerJoint openings = control.update({0.0, 0.2, -1.0, 0.5}, at_stops, kStep_s);
+  const PerJoint openings =
+      control.update({0.0, 0.2, -1.0, 0.5}, at_stops, kDigCycleJointControlStep_s);
   EXPECT_LT(openings[boom], 0.0);
   EXPECT_LT(openings[stick], 0.0);
   EXPECT_LT(openings[bucket], 0.0);
@@ -64,11 +69,11 @@ TEST(DigCycleJointControl, LeavesAStopThatTheJointAlreadyStandsOn) {
 TEST(DigCycleJointControl, NeutralForgetsTheSlope) {
   JointControl control(Machine{}, {});
   for (int i = 0; i < 100; ++i) {
-    (void)control.update({1.0, 0.5, -1.5, 0.5}, {}, kStep_s);
+    (void)control.update({1.0, 0.5, -1.5, 0.5}, {}, kDigCycleJointControlStep_s);
   }
   control.neutral();
-  const PerJoint openings = control.update({1.0, 0.0, 0.0, 0.0}, {}, kStep_s);
-  EXPECT_LE(openings[swing], 3.0 * kStep_s + 1e-12);
+  const PerJoint openings = control.update({1.0, 0.0, 0.0, 0.0}, {}, kDigCycleJointControlStep_s);
+  EXPECT_LE(openings[swing], 3.0 * kDigCycleJointControlStep_s + 1e-12);
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ namespace nmea = protocols::nmea;
 using namespace std::chrono_literals;
 
 constexpr auto kStep = 10ms;
-constexpr double kStep_s = 0.01;
-constexpr double kGravity_mps2 = 9.80665;
+constexpr double kFakeRigStep_s = 0.01;
+constexpr double kFakeRigGravity_mps2 = 9.80665;
 /// At full opening; faster than a real machine, to keep the tests short.
 constexpr PerJoint kFullSpeed_radps{2.0, 0.9, 1.2, 1.8};
 constexpr double kChassisPitch_rad = 2.0 * kDegree;
@@ -94,10 +94,10 @@ void FakeRig::step() {
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
     rates_radps_[joint] =
         command.opening[joint] * machine.opening_sign[joint] * kFullSpeed_radps[joint];
-    const double wanted_rad = angles_rad_[joint] + rates_radps_[joint] * kStep_s;
+    const double wanted_rad = angles_rad_[joint] + rates_radps_[joint] * kFakeRigStep_s;
     const double stopped_rad =
         std::clamp(wanted_rad, machine.lower_rad[joint], machine.upper_rad[joint]);
-    rates_radps_[joint] = (stopped_rad - angles_rad_[joint]) / kStep_s;
+    rates_radps_[joint] = (stopped_rad - angles_rad_[joint]) / kFakeRigStep_s;
     angles_rad_[joint] = stopped_rad;
     sample.spool_position[joint] = command.opening[joint];
   }
@@ -130,8 +130,8 @@ void FakeRig::send_imus() {
     openimu::AngularRate rate;
     rate.pitch_dps = rate_radps / kDegree;
     openimu::Acceleration acceleration;
-    acceleration.longitudinal_mps2 = kGravity_mps2 * std::sin(pitch_rad);
-    acceleration.vertical_mps2 = kGravity_mps2 * std::cos(pitch_rad);
+    acceleration.longitudinal_mps2 = kFakeRigGravity_mps2 * std::sin(pitch_rad);
+    acceleration.vertical_mps2 = kFakeRigGravity_mps2 * std::cos(pitch_rad);
     (void)can_.send(openimu::encode(rate, source));
     (void)can_.send(openimu::encode(acceleration, source));
   }

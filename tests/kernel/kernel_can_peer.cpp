@@ -33,6 +33,7 @@
 #include "emulators/canopen/rotary_encoder.h"
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/xsens/mti_600.h"
+#include "fields/constants.h"
 
 namespace {
 
@@ -40,7 +41,6 @@ using namespace rigwire;
 using WallClock = std::chrono::steady_clock;
 
 constexpr double kNoseUp_rad = 5.0 * std::numbers::pi / 180.0;
-constexpr double kGravity_mps2 = 9.80665;
 constexpr auto kStep = std::chrono::milliseconds{1};
 
 /// The bus model's outside: frames go to the kernel as they end on the modelled bus, and so does

@@ -25,6 +25,7 @@
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/usb/gs_usb.h"
 #include "emulators/usb/usbip_server.h"
+#include "fields/constants.h"
 #include "to_clients.h"
 
 namespace {
@@ -33,7 +34,6 @@ using namespace rigwire;
 using WallClock = std::chrono::steady_clock;
 
 constexpr double kNoseUp_rad = 5.0 * std::numbers::pi / 180.0;
-constexpr double kGravity_mps2 = 9.80665;
 constexpr auto kStep = std::chrono::milliseconds{1};
 
 /// The adapter's controller is the bus model's outside node.

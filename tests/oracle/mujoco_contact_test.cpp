@@ -10,6 +10,7 @@
 #include <string>
 
 #include "bench/free_body.h"
+#include "fields/constants.h"
 
 namespace rigwire::sim {
 namespace {
@@ -19,7 +20,6 @@ using Vector = Eigen::Vector3d;
 constexpr double kStep_s = 1e-3;
 constexpr double kMass_kg = 1000.0;
 constexpr double kFriction = 0.5;
-constexpr double kGravity_mps2 = 9.80665;
 
 /// Where a body is after so long, and how fast.
 struct State {

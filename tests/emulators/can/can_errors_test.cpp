@@ -25,7 +25,7 @@ using test::standard;
 using test::time_of;
 using test::worked_frame;
 
-constexpr Duration kBit = 4us;  // at 250 kbit/s
+constexpr Duration kCanErrorsBit = 4us;  // at 250 kbit/s
 constexpr SimTime kEnd = kStart + 1h;
 
 /// Two devices and a client that is there.
@@ -46,22 +46,23 @@ class CanErrors : public testing::Test {
   }
   /// One attempt of the worked frame is disturbed: after how many bits the next one begins.
   long bits_to_retransmission(unsigned bit) {
-    invert(bit, 0us, (bit + 1) * kBit);
+    invert(bit, 0us, (bit + 1) * kCanErrorsBit);
     a_.send(kStart, worked_frame());
     bus_.advance(kStart + 10ms);
-    const Duration good = (exact_bits(worked_frame()) - 3) * kBit;
-    return (outside_.frames.back().first - good - kStart) / kBit;
+    const Duration good = (exact_bits(worked_frame()) - 3) * kCanErrorsBit;
+    return (outside_.frames.back().first - good - kStart) / kCanErrorsBit;
   }
 };
 
 TEST_F(CanErrors, ActiveFlagsOfTransmitterAndReceiversOverlap) {
   // Number 20 is read dominant. The transmitter signals in 21 .. 26; receivers have six dominant
   // bits at 25 and signal in 26 .. 31; delimiter to 39, intermission to 42.
-  invert(20, 0us, 21 * kBit);
+  invert(20, 0us, 21 * kCanErrorsBit);
   a_.send(kStart, worked_frame());
   bus_.advance(kStart + 10ms);
   ASSERT_EQ(outside_.frames.size(), 1U);
-  EXPECT_EQ(outside_.frames[0].first, kStart + (43 + exact_bits(worked_frame()) - 3) * kBit);
+  EXPECT_EQ(outside_.frames[0].first,
+            kStart + (43 + exact_bits(worked_frame()) - 3) * kCanErrorsBit);
   const CanNodeCounters counters = bus_.counters(a_);
   EXPECT_EQ(counters.retransmissions, 1U);
   EXPECT_EQ(counters.errors.bit, 1U);
@@ -69,7 +70,7 @@ TEST_F(CanErrors, ActiveFlagsOfTransmitterAndReceiversOverlap) {
   EXPECT_EQ(bus_.controller(a_).transmit_errors, 7);  // + 8 - 1
   EXPECT_EQ(bus_.controller(b_).receive_errors, 0);   // + 1 - 1
   ASSERT_EQ(device_a_.reports.size(), 1U);
-  EXPECT_EQ(device_a_.reports[0].first, kStart + 21 * kBit);
+  EXPECT_EQ(device_a_.reports[0].first, kStart + 21 * kCanErrorsBit);
   const ControllerReport& own = device_a_.reports[0].second;
   EXPECT_EQ(own.error, BusError::bit);
   EXPECT_EQ(own.bit, 20);
@@ -78,7 +79,7 @@ TEST_F(CanErrors, ActiveFlagsOfTransmitterAndReceiversOverlap) {
   EXPECT_FALSE(own.dominant);
   EXPECT_EQ(own.transmit_errors, 8);
   ASSERT_EQ(device_b_.reports.size(), 1U);
-  EXPECT_EQ(device_b_.reports[0].first, kStart + 26 * kBit);
+  EXPECT_EQ(device_b_.reports[0].first, kStart + 26 * kCanErrorsBit);
   EXPECT_EQ(device_b_.reports[0].second.receive_errors, 1);
 }
 
@@ -138,9 +139,11 @@ TEST_F(CanErrors, ThirtyTwoFailuresLeadThroughPassiveToBusOffAtTheExactBit) {
   bus_.advance(kStart + 100ms);
   // Sixteen times 43 bits while active. A passive flag leaves the bus recessive: receivers have six
   // bits at 26 and signal in 27 .. 32, which makes 44 bits; and the transmitter waits eight more.
-  EXPECT_EQ(time_of(device_a_.reports, ErrorState::warning), kStart + (11 * 43 + 21) * kBit);
-  EXPECT_EQ(time_of(device_a_.reports, ErrorState::passive), kStart + (15 * 43 + 21) * kBit);
-  const SimTime off = kStart + (16 * 43 + 8 + 15 * (44 + 8) + 21) * kBit;
+  EXPECT_EQ(time_of(device_a_.reports, ErrorState::warning),
+            kStart + (11 * 43 + 21) * kCanErrorsBit);
+  EXPECT_EQ(time_of(device_a_.reports, ErrorState::passive),
+            kStart + (15 * 43 + 21) * kCanErrorsBit);
+  const SimTime off = kStart + (16 * 43 + 8 + 15 * (44 + 8) + 21) * kCanErrorsBit;
   EXPECT_EQ(time_of(device_a_.reports, ErrorState::bus_off), off);
   EXPECT_EQ(bus_.controller(a_).transmit_errors, 256);
   EXPECT_EQ(bus_.controller(b_).receive_errors, 32);
@@ -159,7 +162,7 @@ TEST_F(CanErrors, RecoveryTakes128TimesElevenBitsOfIdleBus) {
   bus_.advance(kEnd);
   const SimTime off = time_of(device_b_.reports, ErrorState::bus_off);
   ASSERT_NE(off, kNever);
-  ASSERT_EQ(device_b_.reports.back().first, off + 100ms + 128 * 11 * kBit);
+  ASSERT_EQ(device_b_.reports.back().first, off + 100ms + 128 * 11 * kCanErrorsBit);
   const ControllerReport& back = device_b_.reports.back().second;
   EXPECT_TRUE(back.restarted);
   EXPECT_TRUE(back.state_changed);
@@ -180,12 +183,12 @@ TEST_F(CanErrors, OnABusyBusEachFrameGivesOneOfTheSequences) {
   // Back to back from 90 ms on; recovery begins within the frame that is under way 100 ms after.
   const unsigned length = exact_bits(standard(0x55));
   const SimTime first = kStart + 90ms;
-  for (SimTime now = first; now < kStart + 500ms; now += length * kBit) {
+  for (SimTime now = first; now < kStart + 500ms; now += length * kCanErrorsBit) {
     bus_.advance(now - 1ns);
     a_.send(now, standard(0x55));
   }
-  const auto under_way = (off + 100ms - first) / (length * kBit);
-  EXPECT_EQ(device_b_.reports.back().first, first + (under_way + 128) * (length * kBit));
+  const auto under_way = (off + 100ms - first) / (length * kCanErrorsBit);
+  EXPECT_EQ(device_b_.reports.back().first, first + (under_way + 128) * (length * kCanErrorsBit));
   EXPECT_TRUE(device_b_.reports.back().second.restarted);
 }
 
@@ -218,9 +221,9 @@ TEST(CanAlone, NodeWithoutAnyOtherBecomesPassiveAndNeverBusOff) {
   const unsigned attempt = exact_bits(frame) + 6;
   const unsigned slot_end = exact_bits(frame) - 11;
   EXPECT_EQ(time_of(device.reports, ErrorState::warning),
-            kStart + (11 * attempt + slot_end) * kBit);
+            kStart + (11 * attempt + slot_end) * kCanErrorsBit);
   EXPECT_EQ(time_of(device.reports, ErrorState::passive),
-            kStart + (15 * attempt + slot_end) * kBit);
+            kStart + (15 * attempt + slot_end) * kCanErrorsBit);
   EXPECT_EQ(bus.controller(a).transmit_errors, 128);
   EXPECT_EQ(bus.controller(a).state, ErrorState::passive);
   EXPECT_EQ(bus.counters(a).bus_offs, 0U);
@@ -230,7 +233,7 @@ TEST(CanAlone, NodeWithoutAnyOtherBecomesPassiveAndNeverBusOff) {
   EXPECT_NEAR(bus.load(kStart + 10s), double(attempt) / (attempt + 8), 1e-3);
 
   const auto attempts = bus.counters(a).errors.acknowledgement;
-  const auto expected = (10s - 16 * attempt * kBit) / ((attempt + 8) * kBit);
+  const auto expected = (10s - 16 * attempt * kCanErrorsBit) / ((attempt + 8) * kCanErrorsBit);
   EXPECT_NEAR(double(attempts), double(expected + 16), 1.0);
 
   // Somebody comes: the very next attempt is acknowledged.
@@ -297,7 +300,7 @@ TEST(CanCollision, DifferentDataIsABitErrorOfTheRecessiveOne) {
   b.send(kStart, other);
   bus.advance(kStart + 200us);
   ASSERT_EQ(device_a.reports.size(), 1U);
-  EXPECT_EQ(device_a.reports[0].first, kStart + 27 * kBit);
+  EXPECT_EQ(device_a.reports[0].first, kStart + 27 * kCanErrorsBit);
   EXPECT_EQ(device_a.reports[0].second.error, BusError::bit);
   EXPECT_EQ(device_a.reports[0].second.bit, 26);
   EXPECT_FALSE(device_a.reports[0].second.dominant);

@@ -29,7 +29,7 @@ using test::Listener;
 using test::standard;
 using test::time_of;
 
-constexpr Duration kBit = 4us;
+constexpr Duration kCanFaultsBit = 4us;
 
 CanFault fault(decltype(CanFault::what) what, Duration begin, Duration end) {
   return {between(begin, end), std::move(what)};
@@ -67,8 +67,8 @@ TEST_F(CanFaults, ShortedBusTakesASenderOffAtTheExactBitAndItComesBack) {
   // make 136; a passive flag is undisturbed. Then 17 bits to the end of the intermission and eight
   // of suspension, and fifteen more attempts of one bit each.
   const auto first = 17 + 6 + 8 + 3 + 8;
-  const SimTime off = kStart + (first + 14 * (1 + 6 + 8 + 3 + 8) + 1) * kBit;
-  EXPECT_EQ(time_of(device_a_.reports, ErrorState::passive), kStart + 16 * kBit);
+  const SimTime off = kStart + (first + 14 * (1 + 6 + 8 + 3 + 8) + 1) * kCanFaultsBit;
+  EXPECT_EQ(time_of(device_a_.reports, ErrorState::passive), kStart + 16 * kCanFaultsBit);
   EXPECT_EQ(time_of(device_a_.reports, ErrorState::bus_off), off);
   EXPECT_EQ(bus_.controller(b_).receive_errors, 0);  // It saw an idle bus.
   live(kStart + 200ms, kStart + 300ms);
@@ -80,8 +80,9 @@ TEST_F(CanFaults, DisturbanceDestroysEveryFrameOfItsTimeAndNoOther) {
   bus_.set_faults({{fault(DisturbanceFault{}, 100ms, 103ms)}}, intruders_);
   live(kStart, kStart + 200ms);
   for (const auto& [time, frame] : outside_.frames) {
-    const SimTime begin = time - (exact_bits(frame) - 4) * kBit;
-    EXPECT_TRUE(time <= kStart + 100ms || begin >= kStart + 103ms - kBit) << to_seconds(time);
+    const SimTime begin = time - (exact_bits(frame) - 4) * kCanFaultsBit;
+    EXPECT_TRUE(time <= kStart + 100ms || begin >= kStart + 103ms - kCanFaultsBit)
+        << to_seconds(time);
   }
   EXPECT_EQ(outside_.frames.size(), 40U);  // All were repeated in the end.
   EXPECT_GT(bus_.error_frames(), 5U);

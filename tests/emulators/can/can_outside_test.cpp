@@ -21,7 +21,7 @@ using test::Listener;
 using test::standard;
 using test::time_of;
 
-constexpr Duration kBit = 4us;
+constexpr Duration kCanOutsideBit = 4us;
 
 class CanOutsideTest : public testing::Test {
  protected:
@@ -37,7 +37,7 @@ TEST_F(CanOutsideTest, FrameIsConfirmedAtItsEnd) {
   bus_.advance(kStart + 10ms);
   ASSERT_EQ(client_.confirmed.size(), 1U);
   EXPECT_EQ(client_.confirmed[0],
-            std::pair(kStart + (exact_bits(standard(0x123)) - 3) * kBit, true));
+            std::pair(kStart + (exact_bits(standard(0x123)) - 3) * kCanOutsideBit, true));
   EXPECT_TRUE(client_.reports.empty());
 }
 

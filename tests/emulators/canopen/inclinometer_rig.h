@@ -3,15 +3,14 @@
 
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
 #include "canopen_rig.h"
 #include "emulators/canopen/inclinometer.h"
+#include "fields/constants.h"
 
 namespace rigwire::emulators {
 
 inline constexpr double kGravity_mps2 = 9.81;
-inline constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct InclinometerRig final : CanopenRig<Inclinometer> {
   /// Without the filter, so that a sample is a reading.

@@ -15,7 +15,7 @@ using protocols::canopen::SdoAbort;
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
-std::uint32_t code(SdoAbort abort) {
+std::uint32_t inclinometer_slope_code(SdoAbort abort) {
   return static_cast<std::uint32_t>(abort);
 }
 
@@ -52,9 +52,9 @@ TEST(Inclinometer, RoundsToTheNearestCountOfEachResolution) {
   EXPECT_EQ(rig.slope16(0x6010), 123);
   EXPECT_EQ(rig.write(0x6000, 0, 1000, 2), 0U);
   EXPECT_EQ(rig.slope16(0x6010), 12);
-  EXPECT_EQ(rig.write(0x6000, 0, 20, 2), code(SdoAbort::value_range));
-  EXPECT_EQ(rig.write(0x6000, 0, 0, 2), code(SdoAbort::value_too_low));
-  EXPECT_EQ(rig.write(0x6000, 0, 1001, 2), code(SdoAbort::value_too_high));
+  EXPECT_EQ(rig.write(0x6000, 0, 20, 2), inclinometer_slope_code(SdoAbort::value_range));
+  EXPECT_EQ(rig.write(0x6000, 0, 0, 2), inclinometer_slope_code(SdoAbort::value_too_low));
+  EXPECT_EQ(rig.write(0x6000, 0, 1001, 2), inclinometer_slope_code(SdoAbort::value_too_high));
   EXPECT_EQ(rig.slope16(0x6010), 12);
 }
 
@@ -116,7 +116,7 @@ TEST(Inclinometer, QuadrantCorrectionTellsTheBackFromTheFront) {
   EXPECT_EQ(half.slope16(0x6020), 18000);
   EXPECT_EQ(half.write(0x2040, 0, 0, 1), 0U);
   EXPECT_EQ(half.slope16(0x6020), 0);
-  EXPECT_EQ(half.write(0x2040, 0, 3, 1), code(SdoAbort::value_too_high));
+  EXPECT_EQ(half.write(0x2040, 0, 3, 1), inclinometer_slope_code(SdoAbort::value_too_high));
 }
 
 /// A quarter of a count below a whole turn is 0 again, and 36000 does not fit into 16 bits.
@@ -189,7 +189,7 @@ TEST(Inclinometer, FilterStepChangesAtOnceAndWithoutAJump) {
   EXPECT_EQ(rig.write(0x2043, 0, 0, 1), 0U);
   rig.measure();
   EXPECT_EQ(rig.slope16(0x6010), 0);
-  EXPECT_EQ(rig.write(0x2043, 0, 5, 1), code(SdoAbort::value_too_high));
+  EXPECT_EQ(rig.write(0x2043, 0, 5, 1), inclinometer_slope_code(SdoAbort::value_too_high));
 }
 
 TEST(Inclinometer, InversionAndOffsetsAsTheOperatingParameterSays) {
@@ -207,7 +207,7 @@ TEST(Inclinometer, InversionAndOffsetsAsTheOperatingParameterSays) {
   EXPECT_EQ(rig.slope16(0x6010), 1340);
   EXPECT_EQ(rig.write(0x6011, 0, 3, 1), 0U);
   EXPECT_EQ(rig.slope16(0x6010), -660);
-  EXPECT_EQ(rig.write(0x6011, 0, 4, 1), code(SdoAbort::value_too_high));
+  EXPECT_EQ(rig.write(0x6011, 0, 4, 1), inclinometer_slope_code(SdoAbort::value_too_high));
   // The other slopes have parameters of their own.
   EXPECT_EQ(rig.slope16(0x6020), lateral);
   EXPECT_EQ(rig.slope32(0x6110), 1000);
@@ -248,9 +248,10 @@ TEST(Inclinometer, PresetWhoseOffsetDoesNotFitIsRefused) {
   rig.boot();
   rig.tilt(30.0 * kDegree, 0.0);
   rig.measure();
-  EXPECT_EQ(rig.write(0x6012, 0, 0x10000 - 10000, 2), code(SdoAbort::value_too_low));
+  EXPECT_EQ(rig.write(0x6012, 0, 0x10000 - 10000, 2),
+            inclinometer_slope_code(SdoAbort::value_too_low));
   EXPECT_EQ(rig.write(0x6011, 0, 1, 1), 0U);
-  EXPECT_EQ(rig.write(0x6012, 0, 10000, 2), code(SdoAbort::value_too_high));
+  EXPECT_EQ(rig.write(0x6012, 0, 10000, 2), inclinometer_slope_code(SdoAbort::value_too_high));
   EXPECT_EQ(rig.slope16(0x6013), 0);
   EXPECT_EQ(rig.slope16(0x6012), 0);
 }

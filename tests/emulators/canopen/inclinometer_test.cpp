@@ -19,9 +19,9 @@ using protocols::canopen::NodeState;
 using protocols::canopen::SdoAbort;
 using testing::ElementsAre;
 
-constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInclinometerNoNumber = std::numeric_limits<double>::quiet_NaN();
 
-std::uint32_t code(SdoAbort abort) {
+std::uint32_t inclinometer_code(SdoAbort abort) {
   return static_cast<std::uint32_t>(abort);
 }
 
@@ -48,13 +48,13 @@ TEST(Inclinometer, BootsUpAsNodeTenAndSaysWhatItIs) {
 TEST(Inclinometer, AbortCodesAreExact) {
   InclinometerRig rig;
   rig.boot();
-  EXPECT_EQ(rig.write(0x6010, 0, 1, 2), code(SdoAbort::write_of_read_only));
-  EXPECT_EQ(rig.write(0x6015, 0, 1, 2), code(SdoAbort::no_such_object));
-  EXPECT_EQ(rig.write(0x2044, 0, 1, 1), code(SdoAbort::no_such_object));
-  EXPECT_EQ(rig.write(0x6011, 1, 1, 1), code(SdoAbort::no_such_subindex));
-  EXPECT_EQ(rig.write(0x6011, 0, 1, 2), code(SdoAbort::too_long));
-  EXPECT_EQ(rig.write(0x6112, 0, 1, 2), code(SdoAbort::too_short));
-  EXPECT_EQ(rig.write(0x1010, 1, 0x11111111, 4), code(SdoAbort::cannot_store));
+  EXPECT_EQ(rig.write(0x6010, 0, 1, 2), inclinometer_code(SdoAbort::write_of_read_only));
+  EXPECT_EQ(rig.write(0x6015, 0, 1, 2), inclinometer_code(SdoAbort::no_such_object));
+  EXPECT_EQ(rig.write(0x2044, 0, 1, 1), inclinometer_code(SdoAbort::no_such_object));
+  EXPECT_EQ(rig.write(0x6011, 1, 1, 1), inclinometer_code(SdoAbort::no_such_subindex));
+  EXPECT_EQ(rig.write(0x6011, 0, 1, 2), inclinometer_code(SdoAbort::too_long));
+  EXPECT_EQ(rig.write(0x6112, 0, 1, 2), inclinometer_code(SdoAbort::too_short));
+  EXPECT_EQ(rig.write(0x1010, 1, 0x11111111, 4), inclinometer_code(SdoAbort::cannot_store));
 }
 
 /// 12.34 deg is 1234 = 04D2, -12.34 deg is FB2E.
@@ -116,8 +116,8 @@ TEST(Inclinometer, FreeFallHoldsTheSlopesAndRaisesBothErrors) {
   EXPECT_EQ(rig.read(0x1003), 2U);
   EXPECT_EQ(rig.read(0x1003, 1), 0x5020U);
   EXPECT_EQ(rig.read(0x1003, 2), 0x5010U);
-  EXPECT_EQ(rig.write(0x6012, 0, 0, 2), code(SdoAbort::not_in_this_state));
-  EXPECT_EQ(rig.write(0x6122, 0, 0, 4), code(SdoAbort::not_in_this_state));
+  EXPECT_EQ(rig.write(0x6012, 0, 0, 2), inclinometer_code(SdoAbort::not_in_this_state));
+  EXPECT_EQ(rig.write(0x6122, 0, 0, 4), inclinometer_code(SdoAbort::not_in_this_state));
   // As soon as there is a direction again; the length does not matter.
   rig.force = {0.0, 0.0, 1.01 * Inclinometer::kLeastForce_mps2};
   rig.measure();
@@ -198,7 +198,7 @@ TEST(Inclinometer, SwitchedOffItIsSilentAndTakesNoSample) {
   EXPECT_EQ(rig.device.sample_plan().first, kStart + 100ms);
   rig.run(1100ms);
   const std::size_t before = rig.output.frames.size();
-  rig.force = {kNoNumber, 0.0, 0.0};
+  rig.force = {kInclinometerNoNumber, 0.0, 0.0};
   rig.run(300ms);
   EXPECT_EQ(rig.output.frames.size(), before);
 }
@@ -217,7 +217,7 @@ TEST(InclinometerSettings, RefusedWithTheValueFound) {
   refused([](auto& s) { s.quadrants = 3; });
   refused([](auto& s) { s.range_rad = 0.0; });
   refused([](auto& s) { s.range_rad = 3.15; });
-  refused([](auto& s) { s.range_rad = kNoNumber; });
+  refused([](auto& s) { s.range_rad = kInclinometerNoNumber; });
   refused([](auto& s) { s.transmission_type = 253; });
   refused([](auto& s) { s.sampling = 0ns; });
   refused([](auto& s) { s.node.boot = -1ns; });

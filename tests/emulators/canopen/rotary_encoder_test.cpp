@@ -5,10 +5,10 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include "encoder_rig.h"
+#include "fields/constants.h"
 #include "supply_cuts.h"
 
 namespace rigwire::emulators {
@@ -16,8 +16,6 @@ namespace {
 
 using protocols::canopen::SdoAbort;
 using testing::ElementsAre;
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 TEST(RotaryEncoder, IdentityOfSingleAndMultiTurn) {
   EncoderRig single;

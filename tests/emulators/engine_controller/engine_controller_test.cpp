@@ -25,7 +25,7 @@ namespace vehicle = protocols::vehicle;
 using namespace std::chrono_literals;
 using protocols::can::Frame;
 
-constexpr double kRpm = vehicle::kRevolutionPerMinute_radps;
+constexpr double kRevolution = vehicle::kRevolutionPerMinute_radps;
 constexpr std::uint8_t kField = 0x27;
 
 class EngineControllerTest : public testing::Test {
@@ -35,13 +35,13 @@ class EngineControllerTest : public testing::Test {
   /// Idle 900 rpm, full load up to 2050 rpm, 700 Nm in the cylinders at most.
   static EngineControllerSettings settings() {
     EngineControllerSettings settings;
-    settings.engine.full_load = {{{900 * kRpm, 480.0, 40.0},
-                                  {1200 * kRpm, 630.0, 45.0},
-                                  {1500 * kRpm, 655.0, 45.0},
-                                  {1750 * kRpm, 620.0, 48.0},
-                                  {2050 * kRpm, 530.0, 52.0}}};
+    settings.engine.full_load = {{{900 * kRevolution, 480.0, 40.0},
+                                  {1200 * kRevolution, 630.0, 45.0},
+                                  {1500 * kRevolution, 655.0, 45.0},
+                                  {1750 * kRevolution, 620.0, 48.0},
+                                  {2050 * kRevolution, 530.0, 52.0}}};
     settings.engine.reference_torque_nm = 700.0;
-    settings.engine.high_idle_radps = 2250 * kRpm;
+    settings.engine.high_idle_radps = 2250 * kRevolution;
     settings.engine.governor_nmsprad = 60.0;
     settings.engine.inertia_kgm2 = 1.8;
     return settings;
@@ -50,16 +50,16 @@ class EngineControllerTest : public testing::Test {
   /// 400 Nm at 1900 rpm against 50 Nm friction, 580 Nm possible there.
   static PowerUnitSample working() {
     PowerUnitSample sample;
-    sample.engine.speed_radps = 1900 * kRpm;
+    sample.engine.speed_radps = 1900 * kRevolution;
     sample.engine.torque_nm = 400.0;
     sample.engine.friction_nm = 50.0;
     sample.engine.full_load_nm = 580.0;
-    sample.engine.desired_radps = 1900 * kRpm;
+    sample.engine.desired_radps = 1900 * kRevolution;
     sample.engine.coolant_c = 88.0;
     sample.engine.fuel_level_share = 0.6;
     sample.engine.fuel_rate_m3ps = 20.0 * vehicle::kLitrePerHour_m3ps;
     sample.engine.battery_v = 28.2;
-    sample.dial_radps = 1900 * kRpm;
+    sample.dial_radps = 1900 * kRevolution;
     sample.dial_share = 0.87;
     sample.pump_pressure_pa = 25e6;
     return sample;
@@ -91,10 +91,10 @@ class EngineControllerTest : public testing::Test {
     vehicle::Tsc1 request;
     request.override_mode = 1;
     request.priority = priority;
-    request.speed_radps = rpm * kRpm;
+    request.speed_radps = rpm * kRevolution;
     return request;
   }
-  double asked_rpm() const { return engine_.command().speed_radps.value_or(0.0) / kRpm; }
+  double asked_rpm() const { return engine_.command().speed_radps.value_or(0.0) / kRevolution; }
   std::string text(std::uint32_t pgn) {
     bus_.frames.clear();
     engine_.receive(now_, j1939::make_request(kField, j1939::kGlobalAddress, pgn));
@@ -130,7 +130,7 @@ TEST_F(EngineControllerTest, ReportsTheEngineAtItsPeriods) {
   EXPECT_EQ(bus_.of(vehicle::kDm1Pgn).size(), 1U);
   EXPECT_DOUBLE_EQ(engine_.nominal_rate_hz(), 50 + 20 + 20 + 10 + 4 + 2 + 3 + 1);
   const auto eec1 = latest<vehicle::Eec1>();
-  EXPECT_NEAR(eec1.speed_radps, 1900 * kRpm, 0.07 * kRpm);
+  EXPECT_NEAR(eec1.speed_radps, 1900 * kRevolution, 0.07 * kRevolution);
   EXPECT_NEAR(eec1.actual_torque_share, 450.0 / 700.0, 0.005);
   EXPECT_NEAR(latest<vehicle::Eec2>().load_share, 450.0 / 630.0, 0.005);
   EXPECT_NEAR(latest<vehicle::Hpg>().pressure_pa, 25e6, 1000.0);
@@ -156,11 +156,11 @@ TEST_F(EngineControllerTest, ConfigurationComesEveryFiveSecondsByTransport) {
   payload.resize(vehicle::kEngineConfigurationBytes);
   const auto configuration = vehicle::decode_engine_configuration(payload);
   ASSERT_TRUE(configuration.ok());
-  EXPECT_NEAR(configuration->speed_radps[0], 900 * kRpm, 0.07 * kRpm);
-  EXPECT_NEAR(configuration->speed_radps[1], 2050 * kRpm, 0.07 * kRpm);
+  EXPECT_NEAR(configuration->speed_radps[0], 900 * kRevolution, 0.07 * kRevolution);
+  EXPECT_NEAR(configuration->speed_radps[1], 2050 * kRevolution, 0.07 * kRevolution);
   EXPECT_NEAR(configuration->torque_share[0], 520.0 / 700.0, 0.005);
   EXPECT_NEAR(configuration->reference_torque_nm, 700.0, 0.5);
-  EXPECT_NEAR(configuration->high_idle_radps, 2250 * kRpm, 0.07 * kRpm);
+  EXPECT_NEAR(configuration->high_idle_radps, 2250 * kRevolution, 0.07 * kRevolution);
 }
 
 TEST_F(EngineControllerTest, ObeysASpeedRequestAndLetsGoWithoutIt) {
@@ -193,7 +193,7 @@ TEST_F(EngineControllerTest, WithoutSupplyItIsSilentAndTheEngineIsTheDials) {
   ASSERT_FALSE(bus_.frames.empty());
   EXPECT_EQ(j1939::identify(bus_.frames.front().second)->pgn, j1939::kAddressClaimedPgn);
   EXPECT_GE(bus_.frames.front().first, cut + 500ms);
-  EXPECT_NEAR(latest<vehicle::Eec1>().speed_radps, 1900 * kRpm, 0.07 * kRpm);
+  EXPECT_NEAR(latest<vehicle::Eec1>().speed_radps, 1900 * kRevolution, 0.07 * kRevolution);
   // Half a millisecond behind the samples, as ever.
   for (const SimTime due : bus_.times(61444)) {
     EXPECT_EQ((due - kStart) % 10ms, 1ms);
@@ -249,12 +249,12 @@ TEST_F(EngineControllerTest, RequestWithoutItsNumberDoesNothing) {
 TEST_F(EngineControllerTest, LimitsHoldAgainstTheDial) {
   vehicle::Tsc1 limit;
   limit.override_mode = 3;
-  limit.speed_radps = 1600 * kRpm;
+  limit.speed_radps = 1600 * kRevolution;
   limit.torque_share = 0.5;
   ask(limit);
   EXPECT_NEAR(asked_rpm(), 1600.0, 0.1);
   EXPECT_NEAR(engine_.command().torque_limit_share, 0.5, 0.005);
-  limit.speed_radps = 2500 * kRpm;
+  limit.speed_radps = 2500 * kRevolution;
   ask(limit);
   EXPECT_NEAR(asked_rpm(), 1900.0, 0.1) << "the dial's";
 }

@@ -1,4 +1,5 @@
 #include "emulators/inertial/orientation.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +10,6 @@ namespace rigwire::emulators {
 namespace {
 
 constexpr double kGravity = 9.80665;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// The specific force at rest under an attitude.
 Triad at_rest(const Quaternion& q) {

@@ -21,15 +21,15 @@ using namespace std::chrono_literals;
 using protocols::can::Frame;
 using ::testing::Each;
 
-constexpr SimTime at(Duration since_start) {
+constexpr SimTime iso_valves_at(Duration since_start) {
   return kStart + since_start;
 }
-constexpr std::uint8_t kController = 0x26;
+constexpr std::uint8_t kIsoController = 0x26;
 
 class IsoValvesTest : public ::testing::Test {
  protected:
   explicit IsoValvesTest(const IsoValveSettings& settings = {}) : valves_(settings, output_) {
-    valves_.advance(at(300ms));  // address claimed and kept quiet for 250 ms
+    valves_.advance(iso_valves_at(300ms));  // address claimed and kept quiet for 250 ms
     for (unsigned section = 0; section < 4; ++section) {
       command(300ms, section, 0.0);
     }
@@ -43,7 +43,7 @@ class IsoValvesTest : public ::testing::Test {
                                               : share < 0.0 ? iso::ValveState::retract
                                                             : iso::ValveState::neutral);
     message.fail_safe = 0;
-    valves_.receive(at(now), iso::encode(valve, message, kController));
+    valves_.receive(iso_valves_at(now), iso::encode(valve, message, kIsoController));
   }
   double opening(std::size_t section) const { return valves_.command().opening[section]; }
   iso::AuxiliaryValveEstimate estimate(unsigned valve) const {
@@ -57,7 +57,7 @@ class IsoValvesTest : public ::testing::Test {
 TEST_F(IsoValvesTest, ClaimsItsAddressBeforeItSaysAnything) {
   EXPECT_EQ(j1939::identify(output_.frames.front().second)->pgn, j1939::kAddressClaimedPgn);
   const auto flows = output_.times(65040);
-  EXPECT_TRUE(flows.empty() || flows.front() >= at(250ms));
+  EXPECT_TRUE(flows.empty() || flows.front() >= iso_valves_at(250ms));
   EXPECT_TRUE(valves_.address_held());
 }
 
@@ -65,14 +65,14 @@ TEST_F(IsoValvesTest, WithoutSupplySpoolsAreNeutralAndMoveAgainOnlyAfterNeutral)
   command(400ms, 1, 0.5);
   EXPECT_GT(opening(1), 0.4);
   valves_.supply().begin({{450ms, 500ms}, NoSupplyFault{}});
-  valves_.advance(at(460ms));
+  valves_.advance(iso_valves_at(460ms));
   EXPECT_EQ(opening(1), 0.0);
   output_.frames.clear();
   command(500ms, 1, 0.5);
-  valves_.advance(at(949ms));
+  valves_.advance(iso_valves_at(949ms));
   EXPECT_TRUE(output_.frames.empty());
   EXPECT_EQ(opening(1), 0.0);
-  valves_.advance(at(1300ms));
+  valves_.advance(iso_valves_at(1300ms));
   ASSERT_FALSE(output_.frames.empty());
   EXPECT_EQ(j1939::identify(output_.frames.front().second)->pgn, j1939::kAddressClaimedPgn);
   EXPECT_TRUE(valves_.address_held());
@@ -104,7 +104,7 @@ class AskedIsoValves : public IsoValvesTest {
     const std::uint8_t block = valves_.address();
     output_.frames.clear();
     now_ += 10ms;
-    valves_.receive(at(now_), j1939::make_request(kController, block, pgn));
+    valves_.receive(iso_valves_at(now_), j1939::make_request(kIsoController, block, pgn));
     const auto single = output_.of(pgn);
     if (!single.empty()) {
       const auto payload = single[0].payload();
@@ -115,7 +115,7 @@ class AskedIsoValves : public IsoValvesTest {
       EXPECT_EQ(output_.of(j1939::kAcknowledgementPgn).size(), 1U);
       return {};
     }
-    EXPECT_EQ(j1939::identify(opened[0])->destination, kController);
+    EXPECT_EQ(j1939::identify(opened[0])->destination, kIsoController);
     const auto request = j1939::decode_transport_management(opened[0].payload());
     EXPECT_EQ(request->pgn, pgn);
     j1939::TransportManagement clear;
@@ -124,12 +124,14 @@ class AskedIsoValves : public IsoValvesTest {
     clear.next = 1;
     clear.pgn = pgn;
     now_ += 1ms;
-    valves_.receive(at(now_), j1939::make_transport_management(kController, block, clear));
+    valves_.receive(iso_valves_at(now_),
+                    j1939::make_transport_management(kIsoController, block, clear));
     now_ += 200ms;
-    valves_.advance(at(now_));
+    valves_.advance(iso_valves_at(now_));
     j1939::TransportManagement end = *request;
     end.control = j1939::TransportControl::end_of_message;
-    valves_.receive(at(now_), j1939::make_transport_management(kController, block, end));
+    valves_.receive(iso_valves_at(now_),
+                    j1939::make_transport_management(kIsoController, block, end));
     std::string text;
     for (const Frame& packet : output_.of(j1939::kTransportDataPgn)) {
       text.append(packet.data.begin() + 1, packet.data.end());
@@ -154,8 +156,9 @@ TEST_F(AskedIsoValves, SaysWhoItIsAsIso11783Asks) {
 
 TEST_F(AskedIsoValves, TellsEverybodyWhoItIsByBroadcast) {
   output_.frames.clear();
-  valves_.receive(at(310ms), j1939::make_request(kController, j1939::kGlobalAddress, 65259));
-  valves_.advance(at(900ms));
+  valves_.receive(iso_valves_at(310ms),
+                  j1939::make_request(kIsoController, j1939::kGlobalAddress, 65259));
+  valves_.advance(iso_valves_at(900ms));
   // Its trouble codes follow, as nobody commands the valves any more.
   const auto opened = output_.of(j1939::kTransportManagementPgn);
   ASSERT_EQ(opened.size(), 2U);
@@ -168,7 +171,7 @@ TEST_F(AskedIsoValves, TellsEverybodyWhoItIsByBroadcast) {
 TEST_F(IsoValvesTest, ACommandMovesItsSectionAtTheInstantOfItsFrame) {
   command(310ms, 1, 0.4);
   EXPECT_NEAR(opening(1), 0.4, 1e-12);
-  EXPECT_EQ(valves_.command().time, at(310ms));
+  EXPECT_EQ(valves_.command().time, iso_valves_at(310ms));
   command(320ms, 1, -1.0);
   EXPECT_DOUBLE_EQ(opening(1), -1.0);
 }
@@ -180,8 +183,8 @@ TEST_F(IsoValvesTest, EveryValveReportsThreeMessagesEach100ms) {
     }
   }
   output_.frames.clear();
-  valves_.advance(at(1300ms));
-  valves_.advance(at(2300ms));
+  valves_.advance(iso_valves_at(1300ms));
+  valves_.advance(iso_valves_at(2300ms));
   for (unsigned valve = 0; valve < 4; ++valve) {
     for (const std::uint32_t first : {65040U, 65056U, 65312U}) {
       const auto sent = output_.times(first + valve);
@@ -197,11 +200,11 @@ TEST_F(IsoValvesTest, EveryValveReportsThreeMessagesEach100ms) {
 
 TEST_F(IsoValvesTest, SilenceIsNeutralAfterTheTimeOutAndTheReportSaysWhy) {
   command(400ms, 2, 0.7);
-  valves_.advance(at(700ms) - 1ns);
+  valves_.advance(iso_valves_at(700ms) - 1ns);
   EXPECT_NEAR(opening(2), 0.7, 0.002);
-  valves_.advance(at(900ms));
+  valves_.advance(iso_valves_at(900ms));
   EXPECT_DOUBLE_EQ(opening(2), 0.0);
-  EXPECT_EQ(valves_.command().time, at(700ms));
+  EXPECT_EQ(valves_.command().time, iso_valves_at(700ms));
   EXPECT_EQ(estimate(2).exit_reason, static_cast<std::uint8_t>(iso::ValveExit::command_timeout));
 }
 
@@ -209,7 +212,7 @@ TEST_F(IsoValvesTest, WithoutItsAddressNothingMoves) {
   command(310ms, 0, 1.0);
   ASSERT_DOUBLE_EQ(opening(0), 1.0);
   for (unsigned address = 128; address < 248; ++address) {  // everybody else has a lower NAME
-    valves_.receive(at(320ms),
+    valves_.receive(iso_valves_at(320ms),
                     j1939::make_address_claim(static_cast<std::uint8_t>(address), address - 127U));
   }
   EXPECT_FALSE(valves_.address_held());
@@ -218,11 +221,11 @@ TEST_F(IsoValvesTest, WithoutItsAddressNothingMoves) {
 
 TEST_F(IsoValvesTest, MeasuredFlowCarriesPressuresAndPosition) {
   ValveSample sample;
-  sample.time = at(305ms);
+  sample.time = iso_valves_at(305ms);
   sample.spool_position[1] = -0.25;
   sample.port_a_pressure_pa[1] = 12.5e6;
   valves_.update(sample);
-  valves_.advance(at(450ms));
+  valves_.advance(iso_valves_at(450ms));
   const auto flow = *iso::decode<iso::AuxiliaryValveMeasuredFlow>(1, output_.of(65057).back());
   EXPECT_NEAR(flow.extend_share, -0.25, 0.005);
   EXPECT_NEAR(flow.retract_share, 0.25, 0.005);
@@ -236,9 +239,10 @@ TEST_F(IsoValvesTest, MeasuredFlowCarriesPressuresAndPosition) {
 
 TEST_F(IsoValvesTest, RequestsAreAnsweredAndUnknownOnesRefused) {
   output_.frames.clear();
-  valves_.receive(at(301ms), j1939::make_request(kController, 0x80, 65042));
+  valves_.receive(iso_valves_at(301ms), j1939::make_request(kIsoController, 0x80, 65042));
   EXPECT_EQ(output_.of(65042).size(), 1U);
-  valves_.receive(at(301ms), j1939::make_request(kController, 0x80, 65045));  // not fitted
+  valves_.receive(iso_valves_at(301ms),
+                  j1939::make_request(kIsoController, 0x80, 65045));  // not fitted
   EXPECT_EQ(output_.of(j1939::kAcknowledgementPgn).size(), 1U);
 }
 
@@ -284,7 +288,8 @@ TEST_F(FaultyIsoValves, AFaultStopsEverythingUntilItsValveIsCommandedNeutral) {
 TEST_F(FaultyIsoValves, WhatWasWrongIsToldOnRequestAndCleared) {
   const auto asked = [this](Duration now, std::uint32_t pgn) {
     output_.frames.clear();
-    valves_.receive(at(now), j1939::make_request(kController, valves_.address(), pgn));
+    valves_.receive(iso_valves_at(now),
+                    j1939::make_request(kIsoController, valves_.address(), pgn));
     const auto reports = output_.of(pgn);
     return reports.empty() ? vehicle::TroubleCodes{}
                            : *vehicle::decode_trouble_report(reports.back().payload());
@@ -307,7 +312,8 @@ TEST_F(FaultyIsoValves, WhatWasWrongIsToldOnRequestAndCleared) {
 
 TEST_F(IsoValvesTest, EachSilenceIsAnOccurrenceUntilTheyAreCountedAnew) {
   const auto occurrences = [this](Duration now) {
-    valves_.receive(at(now), j1939::make_request(kController, 0x80, vehicle::kDm1Pgn));
+    valves_.receive(iso_valves_at(now),
+                    j1939::make_request(kIsoController, 0x80, vehicle::kDm1Pgn));
     const auto dm1 = vehicle::decode_trouble_report(output_.of(vehicle::kDm1Pgn).back().payload());
     for (const vehicle::TroubleCode& code : dm1->codes) {
       if (code.spn == 520224) {
@@ -328,7 +334,8 @@ TEST_F(IsoValvesTest, EachSilenceIsAnOccurrenceUntilTheyAreCountedAnew) {
   command(720ms, 0, 0.0);
   only_first_is_silent(800ms, 1200ms);
   EXPECT_EQ(occurrences(1210ms), 2);
-  valves_.receive(at(1220ms), j1939::make_request(kController, 0x80, vehicle::kDm11Pgn));
+  valves_.receive(iso_valves_at(1220ms),
+                  j1939::make_request(kIsoController, 0x80, vehicle::kDm11Pgn));
   EXPECT_EQ(occurrences(1230ms), 1) << "it is still silent";
 }
 
@@ -364,7 +371,7 @@ class LeverIsoValves : public IsoValvesTest {
     stick.y_negative = ys.negative;
     stick.y_positive = ys.positive;
     stick.y_share = std::abs(y);
-    valves_.receive(at(now), vehicle::encode(stick, 0x13));
+    valves_.receive(iso_valves_at(now), vehicle::encode(stick, 0x13));
   }
 };
 
@@ -376,7 +383,7 @@ TEST_F(LeverIsoValves, TheSticksMoveTheSectionsThatTheyAreMappedTo) {
   EXPECT_NEAR(opening(0), -0.6, 1e-12);
   EXPECT_NEAR(opening(1), -0.25, 1e-12);
   EXPECT_DOUBLE_EQ(opening(2), 0.0);
-  valves_.advance(at(630ms));
+  valves_.advance(iso_valves_at(630ms));
   EXPECT_THAT(valves_.command().opening, Each(0.0)) << "silent levers";
 }
 
@@ -386,7 +393,7 @@ TEST_F(LeverIsoValves, SwitchesThatContradictEachOtherAreNoLever) {
   both.x_negative = vehicle::Switch::on;
   both.x_positive = vehicle::Switch::on;
   both.x_share = 1.0;
-  valves_.receive(at(320ms), vehicle::encode(both, 0x13));
+  valves_.receive(iso_valves_at(320ms), vehicle::encode(both, 0x13));
   EXPECT_DOUBLE_EQ(opening(0), 0.0);
 }
 

@@ -23,8 +23,8 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 namespace j1939 = protocols::j1939;
 
-constexpr std::uint8_t kOwn = 0x20;
-constexpr std::uint8_t kPeer = 0xF9;
+constexpr std::uint8_t kNodeAddress = 0x20;
+constexpr std::uint8_t kPeerAddress = 0xF9;
 constexpr std::uint32_t kShortGroup = 0xFE10;
 constexpr std::uint32_t kLongGroup = 0xFEDA;
 constexpr std::uint64_t kName = 0x1000;
@@ -68,7 +68,7 @@ struct Unit : J1939Application, CanDevice {
   std::vector<std::pair<j1939::Identifier, std::vector<std::uint8_t>>> taken;
 };
 
-J1939NodeSettings settings(std::uint8_t address = kOwn, std::uint64_t name = kName,
+J1939NodeSettings settings(std::uint8_t address = kNodeAddress, std::uint64_t name = kName,
                            bool arbitrary = false) {
   J1939NodeSettings s;
   s.address.preferred = address;
@@ -96,9 +96,9 @@ struct J1939NodeTest : testing::Test {
     announce.size = bytes.size();
     announce.packets = 2;
     announce.pgn = j1939::kCommandedAddressPgn;
-    give(j1939::make_transport_management(kPeer, j1939::kGlobalAddress, announce));
-    give(j1939::make_transport_data(kPeer, j1939::kGlobalAddress, bytes, 1));
-    give(j1939::make_transport_data(kPeer, j1939::kGlobalAddress, bytes, 2));
+    give(j1939::make_transport_management(kPeerAddress, j1939::kGlobalAddress, announce));
+    give(j1939::make_transport_data(kPeerAddress, j1939::kGlobalAddress, bytes, 1));
+    give(j1939::make_transport_data(kPeerAddress, j1939::kGlobalAddress, bytes, 2));
   }
   [[nodiscard]] std::vector<std::uint32_t> sent() const {
     std::vector<std::uint32_t> ids;
@@ -115,21 +115,22 @@ struct J1939NodeTest : testing::Test {
 
 TEST_F(J1939NodeTest, AnswersWhatItHasAndRefusesWhatItHasNot) {
   start();
-  give(j1939::make_request(kPeer, kOwn, kShortGroup));
-  give(j1939::make_request(kPeer, j1939::kGlobalAddress, kShortGroup));
-  give(j1939::make_request(kPeer, kOwn, 0xFE11));
-  give(j1939::make_request(kPeer, j1939::kGlobalAddress, 0xFE11));
-  give(j1939::make_request(kPeer, 0x21, kShortGroup));
+  give(j1939::make_request(kPeerAddress, kNodeAddress, kShortGroup));
+  give(j1939::make_request(kPeerAddress, j1939::kGlobalAddress, kShortGroup));
+  give(j1939::make_request(kPeerAddress, kNodeAddress, 0xFE11));
+  give(j1939::make_request(kPeerAddress, j1939::kGlobalAddress, 0xFE11));
+  give(j1939::make_request(kPeerAddress, 0x21, kShortGroup));
   EXPECT_THAT(sent(), ElementsAre(0x18FE1020U, 0x18FE1020U, 0x18E8FF20U));
   const auto refusal = j1939::decode_acknowledgement(output.frames.back().second);
   ASSERT_TRUE(refusal.ok());
-  EXPECT_EQ(*refusal, (j1939::Acknowledgement{j1939::Acknowledge::negative, 0xFF, kPeer, 0xFE11}));
+  EXPECT_EQ(*refusal,
+            (j1939::Acknowledgement{j1939::Acknowledge::negative, 0xFF, kPeerAddress, 0xFE11}));
 }
 
 TEST_F(J1939NodeTest, LongAnswerGoesToTheRequesterOrToEverybody) {
   start();
-  give(j1939::make_request(kPeer, kOwn, kLongGroup));
-  give(j1939::make_request(kPeer, j1939::kGlobalAddress, kLongGroup));
+  give(j1939::make_request(kPeerAddress, kNodeAddress, kLongGroup));
+  give(j1939::make_request(kPeerAddress, j1939::kGlobalAddress, kLongGroup));
   EXPECT_THAT(sent(), ElementsAre(0x1CECF920U, 0x1CECFF20U));
   EXPECT_EQ(output.frames[0].second.data[0], 16);
   EXPECT_EQ(output.frames[1].second.data[0], 32);
@@ -137,8 +138,8 @@ TEST_F(J1939NodeTest, LongAnswerGoesToTheRequesterOrToEverybody) {
 
 TEST_F(J1939NodeTest, AskedAgainWhileItAnswersItIsBusy) {
   start();
-  give(j1939::make_request(kPeer, kOwn, kLongGroup));
-  give(j1939::make_request(kPeer, kOwn, kLongGroup));
+  give(j1939::make_request(kPeerAddress, kNodeAddress, kLongGroup));
+  give(j1939::make_request(kPeerAddress, kNodeAddress, kLongGroup));
   const auto busy = j1939::decode_acknowledgement(output.frames.back().second);
   ASSERT_TRUE(busy.ok());
   EXPECT_EQ(busy->control, j1939::Acknowledge::busy);
@@ -146,21 +147,22 @@ TEST_F(J1939NodeTest, AskedAgainWhileItAnswersItIsBusy) {
 
 TEST_F(J1939NodeTest, MessagesOfOneFrameAndOfManyReachTheApplication) {
   start();
-  give(j1939::make_frame({6, 0xEF00, kOwn, kPeer}, std::array<std::uint8_t, 3>{1, 2, 3}));
-  give(j1939::make_frame({6, 0xEF00, 0x21, kPeer}, std::array<std::uint8_t, 3>{1, 2, 3}));
+  give(j1939::make_frame({6, 0xEF00, kNodeAddress, kPeerAddress},
+                         std::array<std::uint8_t, 3>{1, 2, 3}));
+  give(j1939::make_frame({6, 0xEF00, 0x21, kPeerAddress}, std::array<std::uint8_t, 3>{1, 2, 3}));
   const std::array<std::uint8_t, 12> bytes{9, 8, 7};
   j1939::TransportManagement request;
   request.control = j1939::TransportControl::request_to_send;
   request.size = bytes.size();
   request.packets = 2;
   request.pgn = 0xEF00;
-  give(j1939::make_transport_management(kPeer, kOwn, request));
-  give(j1939::make_transport_data(kPeer, kOwn, bytes, 1));
-  give(j1939::make_transport_data(kPeer, kOwn, bytes, 2));
+  give(j1939::make_transport_management(kPeerAddress, kNodeAddress, request));
+  give(j1939::make_transport_data(kPeerAddress, kNodeAddress, bytes, 1));
+  give(j1939::make_transport_data(kPeerAddress, kNodeAddress, bytes, 2));
   ASSERT_EQ(unit->taken.size(), 2U);
   EXPECT_THAT(unit->taken[0].second, ElementsAre(1, 2, 3));
   EXPECT_EQ(unit->taken[1].second, std::vector(bytes.begin(), bytes.end()));
-  EXPECT_EQ(unit->taken[1].first.destination, kOwn);
+  EXPECT_EQ(unit->taken[1].first.destination, kNodeAddress);
   const ReceiveCounters counters = unit->received();
   EXPECT_EQ(counters.accepted, 4U);
   EXPECT_EQ(counters.ignored, 1U);
@@ -169,7 +171,7 @@ TEST_F(J1939NodeTest, MessagesOfOneFrameAndOfManyReachTheApplication) {
 TEST_F(J1939NodeTest, CommandedAddressMovesTheNodeThatIsMeant) {
   start();
   command(kName + 1, 0x90);
-  EXPECT_EQ(unit->node.address(), kOwn);
+  EXPECT_EQ(unit->node.address(), kNodeAddress);
   command(kName, 0x90);
   EXPECT_EQ(unit->node.address(), 0x90);
   EXPECT_FALSE(unit->node.held());  // silent first, as 0x90 is no assigned address
@@ -183,7 +185,7 @@ TEST_F(J1939NodeTest, CommandedAddressMovesTheNodeThatIsMeant) {
 
 TEST_F(J1939NodeTest, CommandedAddressRevivesANodeThatLostItsOwn) {
   start();
-  give(j1939::make_address_claim(kOwn, 1));
+  give(j1939::make_address_claim(kNodeAddress, 1));
   EXPECT_FALSE(unit->node.held());
   command(kName, 0x22);
   EXPECT_TRUE(unit->node.held());
@@ -196,14 +198,14 @@ TEST_F(J1939NodeTest, ANodeThatIsNotCommandableStays) {
   fixed.takes_commanded_address = false;
   start(fixed);
   command(kName, 0x22);
-  EXPECT_EQ(unit->node.address(), kOwn);
+  EXPECT_EQ(unit->node.address(), kNodeAddress);
   EXPECT_THAT(sent(), IsEmpty());
 }
 
 TEST_F(J1939NodeTest, SessionsEndWithTheAddress) {
   start();
-  give(j1939::make_request(kPeer, kOwn, kLongGroup));
-  give(j1939::make_address_claim(kOwn, 1));
+  give(j1939::make_request(kPeerAddress, kNodeAddress, kLongGroup));
+  give(j1939::make_address_claim(kNodeAddress, 1));
   output.frames.clear();
   run(5s);
   EXPECT_THAT(sent(), ElementsAre(0x18EEFFFEU));  // "cannot claim" alone
@@ -211,8 +213,8 @@ TEST_F(J1939NodeTest, SessionsEndWithTheAddress) {
 }
 
 TEST_F(J1939NodeTest, SecondNodeWithTheSameNameEndsInSilenceNotInAStorm) {
-  start(settings(kOwn, kName, true));
-  give(j1939::make_address_claim(kOwn, kName));
+  start(settings(kNodeAddress, kName, true));
+  give(j1939::make_address_claim(kNodeAddress, kName));
   EXPECT_FALSE(unit->node.held());
   run(1s);
   EXPECT_THAT(sent(), ElementsAre(0x18EEFFFEU));
@@ -228,7 +230,7 @@ TEST_F(J1939NodeTest, RepeatedClaimsOfOthersChangeNothing) {
 }
 
 TEST_F(J1939NodeTest, StormOfLowerNamesIsAnsweredOncePerLossAndEnds) {
-  start(settings(kOwn, kName, true));
+  start(settings(kNodeAddress, kName, true));
   // Whoever it is takes each address that the node moves to.
   unsigned losses = 0;
   for (std::uint64_t name = 1; unit->node.address() != j1939::kNullAddress; ++name, ++losses) {
@@ -245,7 +247,7 @@ TEST_F(J1939NodeTest, LateJoinerHearsTheClaimThatIsThere) {
   start();
   give(j1939::make_request(j1939::kNullAddress, j1939::kGlobalAddress, j1939::kAddressClaimedPgn));
   EXPECT_THAT(sent(), ElementsAre(0x18EEFF20U));
-  give(j1939::make_address_claim(kOwn, kName + 1));
+  give(j1939::make_address_claim(kNodeAddress, kName + 1));
   EXPECT_EQ(output.frames.size(), 2U);  // and is told again
   EXPECT_TRUE(unit->node.held());
 }
@@ -256,7 +258,7 @@ TEST(J1939Nodes, ManyOfOneKindShareABus) {
   std::vector<std::unique_ptr<Unit>> units;
   for (std::uint64_t i = 0; i < 8; ++i) {  // all want the same address at once
     FrameOutput& output = bus.add_node(outside);
-    units.push_back(std::make_unique<Unit>(settings(kOwn, kName + i, true), output));
+    units.push_back(std::make_unique<Unit>(settings(kNodeAddress, kName + i, true), output));
     bus.attach(output, *units.back());
   }
   for (SimTime now = kStart; now < kStart + 3s; now += 100us) {
@@ -270,7 +272,7 @@ TEST(J1939Nodes, ManyOfOneKindShareABus) {
     EXPECT_TRUE(unit->node.held());
     addresses.push_back(unit->node.address());
   }
-  EXPECT_EQ(addresses[0], kOwn);
+  EXPECT_EQ(addresses[0], kNodeAddress);
   std::ranges::sort(addresses);
   EXPECT_EQ(std::ranges::adjacent_find(addresses), addresses.end());
 }

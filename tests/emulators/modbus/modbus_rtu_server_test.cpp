@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr SimTime at(Duration since_start) {
+constexpr SimTime modbus_rtu_server_at(Duration since_start) {
   return kStart + since_start;
 }
 
@@ -70,8 +70,8 @@ struct StrictRtuServerTest : RtuServerTest {
 TEST_F(RtuServerTest, TheLineCostsItsExactTime) {
   // 9600 bit/s, 11 bits: 1.1458333 ms a character. Request 8, silence 3.5, answer 25 characters.
   unit_.holding = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
-  write(at(5ms), frame_of(1, ReadRegisters{RegisterTable::holding, 0, 10}));
-  const SimTime request_ends = at(5ms + 9'166'666ns);
+  write(modbus_rtu_server_at(5ms), frame_of(1, ReadRegisters{RegisterTable::holding, 0, 10}));
+  const SimTime request_ends = modbus_rtu_server_at(5ms + 9'166'666ns);
   EXPECT_EQ(server_.next_event(), request_ends + 4'010'416ns);
   server_.advance(request_ends + 4'010'415ns);
   EXPECT_THAT(output_.sent, IsEmpty()) << "answered before 3.5 characters of silence";
@@ -91,7 +91,7 @@ TEST_F(RtuServerTest, TheResponseDelayComesAfterTheSilence) {
   ModbusRtuServer server(settings, output_);
   server.add_unit(1, unit_);
   server.receive(kStart, frame_of(1, WriteRegister{0, 5}));
-  server.advance(at(1s));
+  server.advance(modbus_rtu_server_at(1s));
   const Duration request{8 * 11 * 1'000'000'000LL / 115'200};
   const Duration byte{11 * 1'000'000'000LL / 115'200};
   EXPECT_EQ(unit_.served_at, kStart + request + 1750us);
@@ -140,16 +140,16 @@ TEST_F(RtuServerTest, BroadcastsActOnEveryUnitAndAreNotAnswered) {
 TEST_F(RtuServerTest, AnotherUnitsFrameFollowedAtOnceByOurs) {
   // One write each, no silence between them: what a program on a pseudo-terminal does.
   write(kStart, frame_of(9, {3, 0, 0, 0, 1}));
-  write(at(1ms), frame_of(1, {6, 0, 0, 0, 5}));
-  server_.advance(at(1s));
+  write(modbus_rtu_server_at(1ms), frame_of(1, {6, 0, 0, 0, 5}));
+  server_.advance(modbus_rtu_server_at(1s));
   EXPECT_EQ(unit_.holding[0], 5);
   EXPECT_EQ(output_.bytes(), frame_of(1, {6, 0, 0, 0, 5}));
   EXPECT_EQ(server_.received().ignored, 1U);
   EXPECT_EQ(server_.received().malformed, 0U);
   // Both in one write.
   output_.sent.clear();
-  write(at(2s), frame_of(9, {3, 0, 0, 0, 1}) + frame_of(1, {6, 0, 0, 0, 6}));
-  server_.advance(at(3s));
+  write(modbus_rtu_server_at(2s), frame_of(9, {3, 0, 0, 0, 1}) + frame_of(1, {6, 0, 0, 0, 6}));
+  server_.advance(modbus_rtu_server_at(3s));
   EXPECT_EQ(unit_.holding[0], 6);
 }
 
@@ -158,11 +158,11 @@ TEST_F(StrictRtuServerTest, AnotherUnitsFrameNeedsItsSilenceBeforeOurs) {
   const Duration line{8 * 11 * 1'000'000'000LL / 9600};
   write(kStart, theirs);
   write(kStart + line + 4'010'417ns, frame_of(1, {6, 0, 0, 0, 5}));
-  server_.advance(at(1s));
+  server_.advance(modbus_rtu_server_at(1s));
   EXPECT_EQ(unit_.holding[0], 5);
-  write(at(1s), theirs);
-  write(at(1s), frame_of(1, {6, 0, 0, 0, 6}));
-  server_.advance(at(2s));
+  write(modbus_rtu_server_at(1s), theirs);
+  write(modbus_rtu_server_at(1s), frame_of(1, {6, 0, 0, 0, 6}));
+  server_.advance(modbus_rtu_server_at(2s));
   EXPECT_EQ(unit_.holding[0], 5) << "two frames without a silence are one bad frame";
   EXPECT_EQ(server_.received().malformed, 1U);
 }
@@ -170,23 +170,24 @@ TEST_F(StrictRtuServerTest, AnotherUnitsFrameNeedsItsSilenceBeforeOurs) {
 TEST_F(RtuServerTest, NoiseBeforeAGoodFrame) {
   const Bytes noise{0x13, 0x00, 0xFF, 0x55, 0xAA, 0x01, 0x03};
   write(kStart, noise);
-  write(at(1ms), frame_of(1, {6, 0, 0, 0, 5}));  // its own write, no silence
-  server_.advance(at(1s));
+  write(modbus_rtu_server_at(1ms), frame_of(1, {6, 0, 0, 0, 5}));  // its own write, no silence
+  server_.advance(modbus_rtu_server_at(1s));
   EXPECT_EQ(unit_.holding[0], 5);
   EXPECT_EQ(server_.received().malformed, 1U);
-  write(at(2s), noise);
-  write(at(2s + 50ms), frame_of(1, {6, 0, 0, 0, 6}));  // while the noise might still go on
-  server_.advance(at(3s));
+  write(modbus_rtu_server_at(2s), noise);
+  write(modbus_rtu_server_at(2s + 50ms),
+        frame_of(1, {6, 0, 0, 0, 6}));  // while the noise might still go on
+  server_.advance(modbus_rtu_server_at(3s));
   EXPECT_EQ(unit_.holding[0], 6);
 }
 
 TEST_F(StrictRtuServerTest, NoiseNeedsASilenceBeforeAGoodFrame) {
   write(kStart, Bytes{0x13, 0x00, 0xFF});
-  write(at(20ms), frame_of(1, {6, 0, 0, 0, 5}));
-  server_.advance(at(1s));
+  write(modbus_rtu_server_at(20ms), frame_of(1, {6, 0, 0, 0, 5}));
+  server_.advance(modbus_rtu_server_at(1s));
   EXPECT_EQ(unit_.holding[0], 5);
-  write(at(1s), Bytes{0x13, 0x00, 0xFF} + frame_of(1, {6, 0, 0, 0, 6}));
-  server_.advance(at(2s));
+  write(modbus_rtu_server_at(1s), Bytes{0x13, 0x00, 0xFF} + frame_of(1, {6, 0, 0, 0, 6}));
+  server_.advance(modbus_rtu_server_at(2s));
   EXPECT_EQ(unit_.holding[0], 5);
 }
 
@@ -198,12 +199,12 @@ TEST_F(StrictRtuServerTest, AGapOfMoreThan1Point5CharactersInsideSpoilsTheFrame)
     write(now + half + gap, {request.begin() + 4, request.end()});
     server_.advance(now + 500ms);
   };
-  write_with_gap(at(1s), 1'718'750ns);  // exactly t1.5
+  write_with_gap(modbus_rtu_server_at(1s), 1'718'750ns);  // exactly t1.5
   EXPECT_EQ(unit_.served_count, 1);
-  write_with_gap(at(2s), 1'718'752ns);
+  write_with_gap(modbus_rtu_server_at(2s), 1'718'752ns);
   EXPECT_EQ(unit_.served_count, 1);
   EXPECT_EQ(server_.received().malformed, 1U);
-  write_with_gap(at(3s), 5ms);  // more than 3.5: two bad frames
+  write_with_gap(modbus_rtu_server_at(3s), 5ms);  // more than 3.5: two bad frames
   EXPECT_EQ(unit_.served_count, 1);
   EXPECT_EQ(server_.received().malformed, 3U);
 }
@@ -219,36 +220,36 @@ TEST_F(RtuServerTest, ARequestInPiecesIsPutTogetherWithinTheTolerance) {
   EXPECT_EQ(unit_.holding[0], 5);
   EXPECT_EQ(unit_.served_at, now - 125ms + 1'145'833ns + 4'010'416ns)
       << "served at its own silence, not after the tolerance";
-  write(at(10s), {request.begin(), request.begin() + 4});
-  write(at(10s + 300ms), {request.begin() + 4, request.end()});
-  server_.advance(at(11s));
+  write(modbus_rtu_server_at(10s), {request.begin(), request.begin() + 4});
+  write(modbus_rtu_server_at(10s + 300ms), {request.begin() + 4, request.end()});
+  server_.advance(modbus_rtu_server_at(11s));
   EXPECT_EQ(unit_.served_count, 1) << "beyond the tolerance";
 }
 
 TEST_F(RtuServerTest, AnAbandonedHalfRequestDoesNotHurtTheNext) {
   const Bytes request = frame_of(1, {6, 0, 0, 0, 5});
   write(kStart, {request.begin(), request.begin() + 5});
-  write(at(100ms), request);
-  server_.advance(at(1s));
+  write(modbus_rtu_server_at(100ms), request);
+  server_.advance(modbus_rtu_server_at(1s));
   EXPECT_EQ(unit_.holding[0], 5);
 }
 
 TEST_F(RtuServerTest, RequestsWhileAnAnswerIsOnTheLineAreServedAfterIt) {
   write(kStart, frame_of(1, {3, 0, 0, 0, 10}));
-  server_.advance(at(14ms));
+  server_.advance(modbus_rtu_server_at(14ms));
   ASSERT_EQ(output_.sent.size(), 25U);
   const SimTime first_ends = output_.sent.back().due;
-  write(at(20ms), frame_of(1, {6, 0, 0, 0, 5}));
-  server_.advance(at(1s));
+  write(modbus_rtu_server_at(20ms), frame_of(1, {6, 0, 0, 0, 5}));
+  server_.advance(modbus_rtu_server_at(1s));
   ASSERT_EQ(output_.sent.size(), 33U);
   EXPECT_GE(output_.sent[25].due - first_ends, 8 * 1'145'833ns + 4'010'416ns);
 }
 
 TEST_F(StrictRtuServerTest, ARequestThatCollidesWithAnAnswerIsLost) {
   write(kStart, frame_of(1, {3, 0, 0, 0, 10}));
-  server_.advance(at(14ms));
-  write(at(20ms), frame_of(1, {6, 0, 0, 0, 5}));
-  server_.advance(at(1s));
+  server_.advance(modbus_rtu_server_at(14ms));
+  write(modbus_rtu_server_at(20ms), frame_of(1, {6, 0, 0, 0, 5}));
+  server_.advance(modbus_rtu_server_at(1s));
   EXPECT_EQ(unit_.holding[0], 0);
   EXPECT_EQ(server_.received().malformed, 1U);
 }
@@ -265,8 +266,8 @@ TEST_F(RtuServerTest, FramesLongerThan256BytesAreNone) {
 TEST_F(RtuServerTest, AClientAtAnotherSpeedIsNotUnderstood) {
   server_.set_client(kStart, {true, 19'200});
   EXPECT_THAT(ask(1, {6, 0, 2, 0, 78}), IsEmpty());
-  server_.set_client(at(10s), {true, 9600});
-  now_ = at(10s);
+  server_.set_client(modbus_rtu_server_at(10s), {true, 9600});
+  now_ = modbus_rtu_server_at(10s);
   EXPECT_THAT(ask(1, {6, 0, 2, 0, 78}), ElementsAre(6, 0, 2, 0, 78));
 }
 

@@ -18,7 +18,7 @@ namespace {
 using namespace protocols::modbus;
 using namespace std::chrono_literals;
 
-constexpr SimTime at(Duration since_start) {
+constexpr SimTime modbus_server_at(Duration since_start) {
   return kStart + since_start;
 }
 
@@ -51,48 +51,48 @@ class ModbusServerTest : public ::testing::Test {
 };
 
 TEST_F(ModbusServerTest, AnswersAfterTheProcessingDelayWithTheTransactionEchoed) {
-  send(adu_of(WriteRegister{2, 77}, 0xBEEF), at(5ms));
+  send(adu_of(WriteRegister{2, 77}, 0xBEEF), modbus_server_at(5ms));
   ASSERT_EQ(output_.sent.size(), 1U);
-  EXPECT_EQ(output_.sent[0].due, at(5ms + 300us));
+  EXPECT_EQ(output_.sent[0].due, modbus_server_at(5ms + 300us));
   EXPECT_EQ(output_.sent[0].bytes, (Bytes{0xBE, 0xEF, 0, 0, 0, 6, 1, 6, 0, 2, 0, 77}));
   EXPECT_EQ(unit_.holding[2], 77);
 }
 
 TEST_F(ModbusServerTest, AClientThatClosedItsSendingHalfGetsTheAnswersThatAreDueThenTheEnd) {
-  send(adu_of(WriteRegister{2, 77}, 1) + adu_of(WriteRegister{3, 78}, 2), at(5ms));
-  server_.half_closed(at(5ms), 1);
-  server_.advance(at(6ms));
+  send(adu_of(WriteRegister{2, 77}, 1) + adu_of(WriteRegister{3, 78}, 2), modbus_server_at(5ms));
+  server_.half_closed(modbus_server_at(5ms), 1);
+  server_.advance(modbus_server_at(6ms));
   ASSERT_EQ(output_.sent.size(), 2U);
   EXPECT_EQ(unit_.holding[3], 78);
   ASSERT_EQ(output_.closed.size(), 1U);
   EXPECT_EQ(output_.closed[0].connection, 1U);
   EXPECT_GE(output_.closed[0].due, output_.sent[1].due);
-  send(adu_of(WriteRegister{2, 1}), at(7ms));
+  send(adu_of(WriteRegister{2, 1}), modbus_server_at(7ms));
   EXPECT_EQ(unit_.holding[2], 77) << "nothing can come from a closed half";
 }
 
 TEST_F(ModbusServerTest, TheEndOfAConnectionIsNotLostWhenTheDeviceIsFullOfAnswers) {
   for (ConnectionId other = 2; other < 40; ++other) {
-    server_.connected(at(5ms), other);
+    server_.connected(modbus_server_at(5ms), other);
     for (int i = 0; i < 64; ++i) {
-      send(adu_of(ReadRegisters{RegisterTable::holding, 0, 1}), at(5ms), other);
+      send(adu_of(ReadRegisters{RegisterTable::holding, 0, 1}), modbus_server_at(5ms), other);
     }
   }
-  server_.half_closed(at(5ms), 1);
-  server_.advance(at(1s));
+  server_.half_closed(modbus_server_at(5ms), 1);
+  server_.advance(modbus_server_at(1s));
   ASSERT_EQ(output_.closed.size(), 1U);
   EXPECT_EQ(output_.closed[0].connection, 1U);
 }
 
 TEST_F(ModbusServerTest, AClientThatClosedItsSendingHalfAndAskedNothingIsClosed) {
   const Bytes request = adu_of(WriteRegister{2, 77});
-  send(Bytes(request.begin(), request.begin() + 5), at(5ms));  // and never the rest
-  server_.half_closed(at(6ms), 1);
-  server_.advance(at(7ms));
+  send(Bytes(request.begin(), request.begin() + 5), modbus_server_at(5ms));  // and never the rest
+  server_.half_closed(modbus_server_at(6ms), 1);
+  server_.advance(modbus_server_at(7ms));
   EXPECT_TRUE(output_.sent.empty());
   EXPECT_EQ(output_.closed.size(), 1U);
-  server_.half_closed(at(8ms), 1);
-  server_.half_closed(at(8ms), 99);
+  server_.half_closed(modbus_server_at(8ms), 1);
+  server_.half_closed(modbus_server_at(8ms), 99);
   EXPECT_EQ(output_.closed.size(), 1U);
 }
 
@@ -163,18 +163,18 @@ TEST_F(ModbusServerTest, ExceptionsOfTheUnitCarryTheirFunction) {
 }
 
 TEST_F(ModbusServerTest, AnUnknownFunctionIsRefusedWithoutExtraDelay) {
-  send(adu_of(Bytes{8, 0, 0, 0, 0}), at(1ms));
-  EXPECT_EQ(output_.sent.back().due, at(1ms + 300us));
+  send(adu_of(Bytes{8, 0, 0, 0, 0}), modbus_server_at(1ms));
+  EXPECT_EQ(output_.sent.back().due, modbus_server_at(1ms + 300us));
 }
 
 TEST_F(ModbusServerTest, RequestsMayArriveByteByByte) {
   const Bytes request = adu_of(WriteRegister{0, 4});
   for (std::size_t i = 0; i < request.size(); ++i) {
     EXPECT_TRUE(output_.sent.empty());
-    send({request[i]}, at(static_cast<std::int64_t>(i) * 90ms));
+    send({request[i]}, modbus_server_at(static_cast<std::int64_t>(i) * 90ms));
   }
   ASSERT_EQ(output_.sent.size(), 1U);
-  EXPECT_EQ(output_.sent[0].due, at(11 * 90ms + 300us));
+  EXPECT_EQ(output_.sent[0].due, modbus_server_at(11 * 90ms + 300us));
 }
 
 TEST_F(ModbusServerTest, TwoRequestsInOneSegmentAreAnsweredInOrderAndInOnePiece) {
@@ -210,12 +210,12 @@ TEST_F(ModbusServerTest, AnImpossibleLengthClosesAfterTheAnswersStillDue) {
   for (const std::uint8_t length : Bytes{0, 1, 255}) {
     const ConnectionId id = 100U + length;
     server_.connected(kStart, id);
-    send(adu_of(WriteRegister{0, 1}) + Bytes{0, 2, 0, 0, 0, length, 1}, at(1ms), id);
+    send(adu_of(WriteRegister{0, 1}) + Bytes{0, 2, 0, 0, 0, length, 1}, modbus_server_at(1ms), id);
     EXPECT_EQ(output_.sent.back().connection, id);
     ASSERT_EQ(output_.closed.back().connection, id);
     EXPECT_GE(output_.closed.back().due, output_.sent.back().due);
     const std::size_t answers = output_.sent.size();
-    send(adu_of(WriteRegister{0, 2}), at(2ms), id);
+    send(adu_of(WriteRegister{0, 2}), modbus_server_at(2ms), id);
     EXPECT_EQ(output_.sent.size(), answers) << "served a connection that is being closed";
     EXPECT_EQ(unit_.holding[0], 1);
   }
@@ -243,11 +243,11 @@ TEST_F(ModbusServerTest, TheSeventeenthUnansweredRequestFindsTheServerBusy) {
   for (std::uint16_t i = 0; i < 17; ++i) {
     burst = burst + adu_of(WriteRegister{0, i}, i);
   }
-  send(burst, at(1ms));
+  send(burst, modbus_server_at(1ms));
   ASSERT_EQ(output_.sent.size(), 17U);
   EXPECT_EQ(output_.latest(), Response(ExceptionResponse{6, ExceptionCode::server_device_busy}));
   EXPECT_EQ(unit_.holding[0], 15);
-  send(adu_of(WriteRegister{0, 40}), at(1ms + 300us));
+  send(adu_of(WriteRegister{0, 40}), modbus_server_at(1ms + 300us));
   EXPECT_EQ(output_.latest(), Response(WriteRegister{0, 40}));
 }
 

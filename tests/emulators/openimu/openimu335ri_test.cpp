@@ -25,7 +25,7 @@ namespace openimu = protocols::openimu;
 using protocols::openimu::FigureOfMerit;
 
 constexpr double kRadians = std::numbers::pi / 180.0;
-constexpr std::uint8_t kTester = 0x21;
+constexpr std::uint8_t kOpenimu335riTester = 0x21;
 
 TEST(OpenImu, ClaimsAfterItsSerialDelayAndSendsNothingBefore) {
   OpenImuRig rig(settings_with(0x12345));  // 5 * 5 ms
@@ -200,10 +200,12 @@ TEST(OpenImuMemory, SavedSettingsAndAddressOutliveThePowerCycle) {
   settings.supply.faults = rigwire::test::cuts({2s, 4s});
   OpenImuRig rig(settings);
   rig.run(100ms);
-  rig.receive(openimu::make_setting({openimu::SettingKind::packet_rate, 0x80, 4, 0, 0}, kTester));
+  rig.receive(openimu::make_setting({openimu::SettingKind::packet_rate, 0x80, 4, 0, 0},
+                                    kOpenimu335riTester));
+  rig.receive(openimu::make_setting({openimu::SettingKind::save_configuration, 0x80, 0, 0, 0},
+                                    kOpenimu335riTester));
   rig.receive(
-      openimu::make_setting({openimu::SettingKind::save_configuration, 0x80, 0, 0, 0}, kTester));
-  rig.receive(openimu::make_setting({openimu::SettingKind::filters, 0x80, 5, 5, 0}, kTester));
+      openimu::make_setting({openimu::SettingKind::filters, 0x80, 5, 5, 0}, kOpenimu335riTester));
   rig.receive(j1939::make_address_claim(0x80, 1));  // lost, not saved by anybody
   rig.run(2s);                                      // off from 2 s to 2.5 s
   const std::size_t before = rig.output.frames.size();
@@ -224,10 +226,11 @@ TEST(OpenImuMemory, SavedSettingsAndAddressOutliveThePowerCycle) {
 TEST(OpenImuMemory, DamageIsReportedAndDeliverySettingsReturn) {
   OpenImuRig rig;
   rig.run(100ms);
-  rig.receive(openimu::make_setting({openimu::SettingKind::packet_rate, 0x80, 4, 0, 0}, kTester));
+  rig.receive(openimu::make_setting({openimu::SettingKind::packet_rate, 0x80, 4, 0, 0},
+                                    kOpenimu335riTester));
   openimu::Setting save{openimu::SettingKind::save_configuration, 0x80, 2, 0, 0};  // and restart
   for (std::size_t i = 0;; ++i) {
-    rig.receive(openimu::make_setting(save, kTester));
+    rig.receive(openimu::make_setting(save, kOpenimu335riTester));
     std::vector<std::uint8_t> block(rig.memory.content().begin(), rig.memory.content().end());
     if (i == block.size()) {
       break;
@@ -236,9 +239,10 @@ TEST(OpenImuMemory, DamageIsReportedAndDeliverySettingsReturn) {
     ASSERT_TRUE(rig.memory.store(block));
     rig.run(150ms);
     EXPECT_EQ(rig.imu.configuration().rate_divider, 1) << i;
-    rig.receive(j1939::make_request(kTester, 0x80, openimu::kStatusPgn));
+    rig.receive(j1939::make_request(kOpenimu335riTester, 0x80, openimu::kStatusPgn));
     EXPECT_EQ(rig.output.frames.back().second.data[0] & 0x83, 0x83) << i;
-    rig.receive(openimu::make_setting({openimu::SettingKind::packet_rate, 0x80, 4, 0, 0}, kTester));
+    rig.receive(openimu::make_setting({openimu::SettingKind::packet_rate, 0x80, 4, 0, 0},
+                                      kOpenimu335riTester));
   }
 }
 
@@ -255,7 +259,7 @@ TEST(OpenImuHostile, EveryShapeOfForeignFrameIsCountedAndHarmless) {
       for (const bool extended : {false, true}) {
         for (const bool remote : {false, true}) {
           Frame frame;
-          frame.id = j1939::pack(j1939::Identifier{6, pgn, 0x80, kTester});
+          frame.id = j1939::pack(j1939::Identifier{6, pgn, 0x80, kOpenimu335riTester});
           frame.extended = extended;
           frame.remote = remote;
           frame.length = static_cast<std::uint8_t>(length);

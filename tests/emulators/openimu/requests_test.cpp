@@ -18,14 +18,14 @@ using testing::ElementsAre;
 namespace j1939 = protocols::j1939;
 namespace openimu = protocols::openimu;
 
-constexpr std::uint8_t kTester = 0x21;
+constexpr std::uint8_t kRequestsTester = 0x21;
 
 TEST(OpenImuRequest, KnownGroupsAreAnsweredAfterTheProcessingDelay) {
   OpenImuRig rig;
   rig.run(2s);
   const auto ask = [&rig](std::uint32_t pgn) {
     const std::size_t before = rig.output.frames.size();
-    rig.receive(j1939::make_request(kTester, rig.imu.address(), pgn));
+    rig.receive(j1939::make_request(kRequestsTester, rig.imu.address(), pgn));
     EXPECT_EQ(rig.output.frames.size(), before + 1) << pgn;
     EXPECT_EQ(rig.output.frames.back().first, rig.now + 1ms);
     return rig.output.frames.back().second;
@@ -46,15 +46,15 @@ TEST(OpenImuRequest, KnownGroupsAreAnsweredAfterTheProcessingDelay) {
   EXPECT_TRUE(openimu::decode<openimu::AngularRate>(ask(openimu::kAngularRatePgn)).ok());
   EXPECT_TRUE(openimu::decode<openimu::Acceleration>(ask(openimu::kAccelerationPgn)).ok());
   EXPECT_THAT(ask(openimu::kPacketRatePgn).payload(),
-              ElementsAre(kTester, 1, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
+              ElementsAre(kRequestsTester, 1, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
   EXPECT_THAT(ask(openimu::kPacketMaskPgn).payload(),
-              ElementsAre(kTester, 7, 0, 0x3B, 0xAA, 0xAA, 0xAA, 0xAA));
+              ElementsAre(kRequestsTester, 7, 0, 0x3B, 0xAA, 0xAA, 0xAA, 0xAA));
   EXPECT_THAT(ask(openimu::kFilterPgn).payload(),
-              ElementsAre(kTester, 25, 25, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
+              ElementsAre(kRequestsTester, 25, 25, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
   EXPECT_THAT(ask(openimu::kOrientationPgn).payload(),
-              ElementsAre(kTester, 0, 0, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
+              ElementsAre(kRequestsTester, 0, 0, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
   EXPECT_THAT(ask(openimu::kBehaviourPgn).payload(),
-              ElementsAre(kTester, 0x48, 0xC2, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
+              ElementsAre(kRequestsTester, 0x48, 0xC2, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
 }
 
 TEST(OpenImuRequest, UnknownGroupsAndRequestsForOthersAreNotAnswered) {
@@ -63,9 +63,9 @@ TEST(OpenImuRequest, UnknownGroupsAndRequestsForOthersAreNotAnswered) {
     OpenImuRig rig(settings_with(0x12341, variant));
     rig.run(50ms);
     const std::size_t before = rig.output.frames.size();
-    rig.receive(j1939::make_request(kTester, j1939::kGlobalAddress, 65253));
-    rig.receive(j1939::make_request(kTester, 0x80, 65253));
-    rig.receive(j1939::make_request(kTester, 0x90, openimu::kSlopePgn));
+    rig.receive(j1939::make_request(kRequestsTester, j1939::kGlobalAddress, 65253));
+    rig.receive(j1939::make_request(kRequestsTester, 0x80, 65253));
+    rig.receive(j1939::make_request(kRequestsTester, 0x90, openimu::kSlopePgn));
     EXPECT_EQ(rig.output.frames.size(), before);
     EXPECT_EQ(rig.imu.received().ignored, 3U);
   }
@@ -75,13 +75,14 @@ TEST(OpenImuRequest, The300RiAnswersWithItsOwnAddressAndItsOwnLengths) {
   OpenImuRig rig(settings_with(0x12341, OpenImuVariant::openimu300ri));
   rig.run(2s);
   const auto ask = [&rig](std::uint32_t pgn) {
-    rig.receive(j1939::make_request(kTester, 0x80, pgn));
+    rig.receive(j1939::make_request(kRequestsTester, 0x80, pgn));
     return rig.output.frames.back().second;
   };
   EXPECT_THAT(ask(openimu::kSoftwareVersionPgn).payload(), ElementsAre(1, 1, 0, 0, 0));
   EXPECT_EQ(ask(0xFD00).id, 0x18FDC580U);  // any group of that format
   EXPECT_THAT(ask(openimu::kStatusPgn).payload(), ElementsAre(0, 0));
-  rig.receive(openimu::make_setting({openimu::SettingKind::filters, 0x80, 5, 10, 0}, kTester));
+  rig.receive(
+      openimu::make_setting({openimu::SettingKind::filters, 0x80, 5, 10, 0}, kRequestsTester));
   EXPECT_THAT(ask(openimu::kFilterPgn).payload(), ElementsAre(0x80, 10, 5));
   EXPECT_THAT(ask(openimu::kPacketMaskPgn).payload(), ElementsAre(0x80, 7, 0));
   EXPECT_EQ(ask(openimu::kMagneticRequestPgn).id, 0x18FF6A80U);
@@ -93,7 +94,7 @@ class OpenImuSetting : public testing::Test {
   void SetUp() override { rig_.run(50ms); }
   void set(openimu::SettingKind kind, std::uint8_t first, std::uint8_t second, std::uint16_t word,
            std::uint8_t destination = 0x80) {
-    rig_.receive(openimu::make_setting({kind, destination, first, second, word}, kTester));
+    rig_.receive(openimu::make_setting({kind, destination, first, second, word}, kRequestsTester));
   }
   std::size_t frames_in(Duration span, std::uint32_t pgn) {
     const std::size_t before = rig_.output.of(pgn).size();
@@ -135,7 +136,7 @@ TEST_F(OpenImuSetting, SaveAnswersTheRequesterAndKeepsTheConfiguration) {
   set(openimu::SettingKind::save_configuration, 0, 0, 0);
   EXPECT_EQ(rig_.output.frames.back().second.id, 0x18FF5180U);
   EXPECT_THAT(rig_.output.frames.back().second.payload(),
-              ElementsAre(1, kTester, 1, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
+              ElementsAre(1, kRequestsTester, 1, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
   EXPECT_EQ(rig_.imu.saved_configuration().rate_cut_off_hz, 5);
   EXPECT_EQ(rig_.imu.saved_configuration().acceleration_cut_off_hz, 10);
 }
@@ -144,8 +145,8 @@ TEST_F(OpenImuSetting, ResetStartsTheAlgorithmAgain) {
   rig_.run(2s);
   set(openimu::SettingKind::reset_algorithm, 0, 0, 0);
   EXPECT_THAT(rig_.output.frames.back().second.payload(),
-              ElementsAre(1, kTester, 1, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
-  rig_.receive(j1939::make_request(kTester, 0x80, openimu::kStatusPgn));
+              ElementsAre(1, kRequestsTester, 1, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
+  rig_.receive(j1939::make_request(kRequestsTester, 0x80, openimu::kStatusPgn));
   EXPECT_THAT(rig_.output.frames.back().second.payload(),
               ElementsAre(0, 3, 0, 0, 0xAA, 0xAA, 0xAA, 0xAA));
 }
@@ -164,8 +165,8 @@ TEST_F(OpenImuSetting, OrientationTurnsTheHousing) {
 TEST_F(OpenImuSetting, LegacyRequestOrderWhenTheBehaviourBitIsCleared) {
   openimu::Setting setting{openimu::SettingKind::behaviour, 0x80, 0, 0, 0};
   setting.more = {0x00, 0x02};
-  rig_.receive(openimu::make_setting(setting, kTester));
-  Frame request = j1939::make_request(kTester, 0x80, 0);
+  rig_.receive(openimu::make_setting(setting, kRequestsTester));
+  Frame request = j1939::make_request(kRequestsTester, 0x80, 0);
   request.data = {0x00, 0xF0, 0x29, 0, 0, 0, 0, 0};
   rig_.receive(request);
   EXPECT_TRUE(openimu::decode<openimu::Slope>(rig_.output.frames.back().second).ok());
@@ -184,7 +185,7 @@ TEST_F(OpenImuSetting, OtherMessagesOfThe335Ri) {
 
 TEST_F(OpenImuSetting, PrioritiesOfThe335RiMoveOnlyWhenMeant) {
   rig_.receive(openimu::make_setting(
-      {openimu::SettingKind::packet_mask, 0x80, 0b00'01'00, 0b00'11'00, 7}, kTester));
+      {openimu::SettingKind::packet_mask, 0x80, 0b00'01'00, 0b00'11'00, 7}, kRequestsTester));
   rig_.run(20ms);
   EXPECT_EQ(rig_.output.of(openimu::kAccelerationPgn).back().id, 0x04F02D80U);
   EXPECT_EQ(rig_.output.of(openimu::kSlopePgn).back().id, 0x0CF02980U);
@@ -193,7 +194,7 @@ TEST_F(OpenImuSetting, PrioritiesOfThe335RiMoveOnlyWhenMeant) {
 TEST_F(OpenImuSetting, BehaviourOfThe335RiSetsAndClearsBits) {
   openimu::Setting setting{openimu::SettingKind::behaviour, 0x80, 0, 0, 0};
   setting.more = {0x08, 0x80};  // neither swapped nor with its algorithm
-  rig_.receive(openimu::make_setting(setting, kTester));
+  rig_.receive(openimu::make_setting(setting, kRequestsTester));
   EXPECT_EQ(rig_.imu.configuration().behaviour, 0xC248 & ~0x8008);
   EXPECT_EQ(frames_in(100ms, openimu::kSlopePgn), 0U);
   EXPECT_EQ(frames_in(100ms, openimu::kAngularRatePgn), 10U);
@@ -202,7 +203,7 @@ TEST_F(OpenImuSetting, BehaviourOfThe335RiSetsAndClearsBits) {
 TEST_F(OpenImuSetting, CommandsMoveToOtherGroups) {
   Frame bank;
   bank.extended = true;
-  bank.id = j1939::pack(j1939::Identifier{6, openimu::kBank1Pgn, 0xFF, kTester});
+  bank.id = j1939::pack(j1939::Identifier{6, openimu::kBank1Pgn, 0xFF, kRequestsTester});
   bank.length = 8;
   bank.data = {0x80, 0x65, 0x00, 0x3F, 0x6C, 0x6D, 0x00, 0x00};  // rate and orientation are legal
   rig_.receive(bank);
@@ -211,8 +212,8 @@ TEST_F(OpenImuSetting, CommandsMoveToOtherGroups) {
                                  0x5E, 0x6B}));
   set(openimu::SettingKind::packet_rate, 2, 0, 0);  // the old group: nobody listens
   EXPECT_EQ(rig_.imu.configuration().rate_divider, 1);
-  Frame rate = openimu::make_setting({openimu::SettingKind::packet_rate, 0x80, 2, 0, 0}, kTester,
-                                     rig_.imu.configuration().commands);
+  Frame rate = openimu::make_setting({openimu::SettingKind::packet_rate, 0x80, 2, 0, 0},
+                                     kRequestsTester, rig_.imu.configuration().commands);
   EXPECT_EQ(rate.id, 0x18FF6521U);
   rig_.receive(rate);
   EXPECT_EQ(rig_.imu.configuration().rate_divider, 2);
@@ -234,11 +235,11 @@ TEST(OpenImuBank, The300RiTakesAllOrNothing) {
 TEST_F(OpenImuSetting, TroubleMessagesAreClearedAndAcknowledgedInAceinnasOrder) {
   Frame clear;
   clear.extended = true;
-  clear.id = j1939::pack(j1939::Identifier{6, openimu::kClearTroublePgn, 0xFF, kTester});
+  clear.id = j1939::pack(j1939::Identifier{6, openimu::kClearTroublePgn, 0xFF, kRequestsTester});
   rig_.receive(clear);
   EXPECT_EQ(rig_.output.frames.back().second.id, 0x18E8FF80U);
   EXPECT_THAT(rig_.output.frames.back().second.payload(),
-              ElementsAre(0, 0, 0xFF, 0xFF, kTester, 0xD3, 0xFE, 0x00));
+              ElementsAre(0, 0, 0xFF, 0xFF, kRequestsTester, 0xD3, 0xFE, 0x00));
 }
 
 TEST_F(OpenImuSetting, AidingMessagesAreCounted) {
@@ -253,8 +254,8 @@ TEST_F(OpenImuSetting, AidingMessagesAreCounted) {
 TEST(OpenImuAlignment, IsAnsweredIdleByThe300Ri) {
   OpenImuRig rig(settings_with(0x12341, OpenImuVariant::openimu300ri));
   rig.run(50ms);
-  rig.receive(
-      openimu::make_setting({openimu::SettingKind::magnetic_alignment, 0x80, 1, 0, 0}, kTester));
+  rig.receive(openimu::make_setting({openimu::SettingKind::magnetic_alignment, 0x80, 1, 0, 0},
+                                    kRequestsTester));
   EXPECT_EQ(rig.output.frames.back().second.id, 0x18FF5E80U);
   // 8 G * 256 = 2048 twice, ratio 0, angle pi = 2048.
   EXPECT_THAT(rig.output.frames.back().second.payload(),

@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 namespace openimu = protocols::openimu;
 
-constexpr double kRadians = std::numbers::pi / 180.0;
+constexpr double kTiltRadians = std::numbers::pi / 180.0;
 
 TEST(OpenImuTilt, FollowsAMovingBoomByItsRates) {
   // Pitch swings +-30 deg with 4 s period; the filter has rates and gravity, no truth.
@@ -24,15 +24,15 @@ TEST(OpenImuTilt, FollowsAMovingBoomByItsRates) {
   for (int i = 0; i < 4000; ++i) {
     const double t = i * 0.005;
     const double w = std::numbers::pi / 2.0;
-    const double pitch = 30.0 * kRadians * std::sin(w * t);
+    const double pitch = 30.0 * kTiltRadians * std::sin(w * t);
     ImuSample sample = level(rig.now);
     sample.specific_force_mps2 = {kGravity * std::sin(pitch), 0.0, kGravity * std::cos(pitch)};
-    sample.angular_rate_radps.y = -30.0 * kRadians * w * std::cos(w * t);
+    sample.angular_rate_radps.y = -30.0 * kTiltRadians * w * std::cos(w * t);
     rig.imu.update(sample);
     rig.now += OpenImu::kTick;
     if (i > 200 && i % 2 == 0) {
       const auto slope = openimu::decode<openimu::Slope>(rig.output.of(openimu::kSlopePgn).back());
-      worst = std::max(worst, std::abs(slope->pitch_deg - pitch / kRadians));
+      worst = std::max(worst, std::abs(slope->pitch_deg - pitch / kTiltRadians));
     }
     rig.output.frames.erase(rig.output.frames.begin(), rig.output.frames.end() - 3);
   }
@@ -43,7 +43,7 @@ TEST(OpenImuTilt, FollowsAMovingBoomByItsRates) {
 TEST(OpenImuTilt, TurnOnBiasIsLearnt) {
   OpenImuRig rig;
   ImuSample sample = level();
-  sample.angular_rate_radps.y = 0.5 * kRadians;
+  sample.angular_rate_radps.y = 0.5 * kTiltRadians;
   rig.run(5s, sample);
   const double early =
       openimu::decode<openimu::Slope>(rig.output.of(openimu::kSlopePgn).back())->pitch_deg;

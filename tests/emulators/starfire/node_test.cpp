@@ -20,7 +20,7 @@ namespace j1939 = protocols::j1939;
 namespace vehicle = protocols::vehicle;
 using protocols::can::Frame;
 
-constexpr std::uint8_t kController = 0x27;
+constexpr std::uint8_t kStarfireController = 0x27;
 constexpr std::uint8_t kStarFire = 28;
 
 class StarFireNodeTest : public testing::Test {
@@ -63,7 +63,7 @@ class StarFireNodeTest : public testing::Test {
     now_ = until;
   }
   void ask(std::uint32_t pgn, std::uint8_t destination) {
-    node_.receive(now_, j1939::make_request(kController, destination, pgn));
+    node_.receive(now_, j1939::make_request(kStarfireController, destination, pgn));
   }
 
   Calendar calendar_{UtcTime{2026, 6, 1, 8, 0, 0, 0}};

@@ -61,8 +61,8 @@ TEST_F(UbloxReceiverTest, BytesLeaveAtTheLineSpeed) {
   run(receiver, kStart + 1900ms);
   // First chunk: 8 bytes after epoch + latency; the whole epoch at 960 bytes/s without a gap.
   EXPECT_EQ(line_.first_due, kStart + 1080ms + Duration{8'333'333});
-  const double seconds = double(line_.all.size()) / 960.0;
-  EXPECT_NEAR(to_seconds(line_.last_due - (kStart + 1080ms)), seconds, 1e-8);
+  const double receiver_seconds = double(line_.all.size()) / 960.0;
+  EXPECT_NEAR(to_seconds(line_.last_due - (kStart + 1080ms)), receiver_seconds, 1e-8);
 }
 
 TEST_F(UbloxReceiverTest, EpochsAlignToGpsTime) {
@@ -281,7 +281,7 @@ TEST_F(UbloxReceiverTest, ColdStartClimbsTheLadder) {
   ASSERT_EQ(sentences.size(), 202U);
   EXPECT_EQ(sentences[0], "$GPRMC,,V,,,,,,,,,,N*53");
   EXPECT_EQ(sentences[1], "$GPGGA,,,,,,0,00,99.99,,,,,,*48");
-  // UTC by the firmware's 16 leap seconds, until the almanac's page 18 has been received.
+  // UTC by the firmware's 16 leap receiver_seconds, until the almanac's page 18 has been received.
   EXPECT_THAT(sentences[60], StartsWith("$GPRMC,080033.00,V,,,,,,,,,,N*"));
   EXPECT_THAT(sentences[80], StartsWith("$GPRMC,080043.00,V,,,,,,,010626,,,N*"));
   EXPECT_THAT(sentences[196], StartsWith("$GPRMC,080139.00,V,"));

@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr SimTime at(Duration since_start) {
+constexpr SimTime valve_map_at(Duration since_start) {
   return kStart + since_start;
 }
 
@@ -86,16 +86,16 @@ class MappedValve : public ::testing::Test {
   }
   ModbusUnit::Outcome write(Duration now, std::uint16_t address,
                             std::vector<std::uint16_t> values) {
-    driver_.advance(at(now));
-    const auto outcome = driver_.unit().write_registers(at(now), address, values);
+    driver_.advance(valve_map_at(now));
+    const auto outcome = driver_.unit().write_registers(valve_map_at(now), address, values);
     if (!outcome) {
-      driver_.unit().served(at(now));
+      driver_.unit().served(valve_map_at(now));
     }
     return outcome;
   }
   std::vector<std::uint16_t> read(Duration now, RegisterTable table, std::uint16_t address,
                                   std::size_t count) {
-    driver_.advance(at(now));
+    driver_.advance(valve_map_at(now));
     std::vector<std::uint16_t> values(count);
     EXPECT_FALSE(driver_.unit().read_registers(table, address, values));
     return values;
@@ -143,7 +143,7 @@ TEST_F(MappedValve, CoilsAndDiscreteInputsWork) {
   BitBlock coil;
   coil.count = 1;
   coil.set(0, true);
-  EXPECT_FALSE(driver_.unit().write_coils(at(1ms), 5, coil));
+  EXPECT_FALSE(driver_.unit().write_coils(valve_map_at(1ms), 5, coil));
   EXPECT_EQ(opening(0), 0.0);
   BitBlock bits;
   bits.count = 1;
@@ -193,13 +193,13 @@ TEST_F(ClippingValve, ValuesOutOfRangeAreHeldAtTheEnd) {
 
 TEST_F(ClippingValve, LossOfCommunicationMovesToItsPositionAndEndsWithTheNextMessage) {
   write(0ms, 101, {10000});
-  driver_.advance(at(5s));
+  driver_.advance(valve_map_at(5s));
   EXPECT_DOUBLE_EQ(opening(0), 0.3);
   write(6s, 101, {7500});
   EXPECT_NEAR(opening(0), 0.5, 1e-12);
   EXPECT_EQ(driver_.fault(), ValveFault::none);
   write(6s, 200, {101});  // hold
-  driver_.advance(at(20s));
+  driver_.advance(valve_map_at(20s));
   EXPECT_NEAR(opening(0), 0.5, 1e-12);
 }
 
@@ -369,7 +369,7 @@ TEST_F(ValveByFile, FunctionsThatItHasNotAreException1) {
   service.add_unit(1, driver_.unit());
   ModbusAnswer answer;
   const auto exception = [&](std::vector<std::uint8_t> pdu) {
-    service.serve(at(1ms), 1, pdu, answer);
+    service.serve(valve_map_at(1ms), 1, pdu, answer);
     const auto bytes = answer.pdu.view();
     return (bytes[0] & 0x80U) != 0 ? bytes[1] : std::uint8_t{0};
   };

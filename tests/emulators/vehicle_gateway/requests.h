@@ -2,13 +2,11 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
+#include "fields/constants.h"
 #include "rig.h"
 
 namespace rigwire::emulators {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 inline protocols::vehicle::Tsc1 torque(double share) {
   protocols::vehicle::Tsc1 request;

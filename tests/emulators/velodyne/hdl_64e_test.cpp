@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "emulators/velodyne/raw_ranges.h"
+#include "fields/constants.h"
 #include "protocols/velodyne/status_channel.h"
 #include "velodyne_fixture.h"
 
@@ -46,7 +47,6 @@ TEST_F(Hdl64eTest, FastInverseAgreesWithTheIteratedOne) {
   const velodyne::Model& model = *velodyne::find_model("HDL-64E S2");
   const velodyne::Hdl64eCalibration calibration = various();
   const RawRanges raw(calibration, model.lasers);
-  constexpr double kDegree = std::numbers::pi / 180.0;
   for (double azimuth_deg = 0.05; azimuth_deg < 360.0; azimuth_deg += 3.7) {
     std::array<RawRanges::Beams, 2> banks;
     raw.aim(azimuth_deg * kDegree, 62.8, 0, banks[0]);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "fields/constants.h"
 #include "recorder.h"
 #include "supply_cuts.h"
 
@@ -23,7 +24,6 @@ using testing::ElementsAre;
 namespace xsens = protocols::xsens;
 
 constexpr double kGravity = 9.80665;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::vector<xsens::Reading> readings(const test::FrameRecorder& output, MessageId id) {
   std::vector<xsens::Reading> result;

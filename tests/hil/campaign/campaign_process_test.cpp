@@ -25,7 +25,7 @@ using test::eventually;
 using testing::HasSubstr;
 using Json = nlohmann::json;
 
-std::string content(const fs::path& file) {
+std::string campaign_process_content(const fs::path& file) {
   std::ifstream stream(file);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
@@ -73,7 +73,7 @@ class CampaignProcess : public testing::Test {
     return folder_ / of / "runs" / fmt::format("{:06}", index);
   }
   [[nodiscard]] Json result(std::size_t index, const std::string& of = "runs") const {
-    return Json::parse(content(place(index, of) / "result.json"));
+    return Json::parse(campaign_process_content(place(index, of) / "result.json"));
   }
 
   static constexpr const char* kProgram = RIGWIRE_BINARY_DIR "/rigwire";
@@ -104,13 +104,15 @@ TEST_F(CampaignProcess, a_run_is_a_function_of_program_rig_and_index) {
   one.erase("wall");
   other.erase("wall");
   EXPECT_EQ(one, other);
-  EXPECT_EQ(content(place(2, "one") / "truth.jsonl"), content(place(2, "other") / "truth.jsonl"));
+  EXPECT_EQ(campaign_process_content(place(2, "one") / "truth.jsonl"),
+            campaign_process_content(place(2, "other") / "truth.jsonl"));
   const auto hash = [&](const std::string& of) {
-    return Json::parse(content(place(2, of) / "report.json"))["devices"]["gnss"]["stream_hash"];
+    return Json::parse(
+        campaign_process_content(place(2, of) / "report.json"))["devices"]["gnss"]["stream_hash"];
   };
   EXPECT_EQ(hash("one"), hash("other"));
-  EXPECT_NE(hash("one"), Json::parse(content(place(0, "other") /
-                                             "report.json"))["devices"]["gnss"]["stream_hash"]);
+  EXPECT_NE(hash("one"), Json::parse(campaign_process_content(
+                             place(0, "other") / "report.json"))["devices"]["gnss"]["stream_hash"]);
 }
 
 TEST_F(CampaignProcess, the_effective_configuration_runs_again_by_itself) {
@@ -121,7 +123,8 @@ TEST_F(CampaignProcess, the_effective_configuration_runs_again_by_itself) {
                       (folder_ / "truth").string(), "--status", "none"},
                      folder_ / "output");
   ASSERT_EQ(again.wait(60s).value_or(-1), 0) << again.output();
-  EXPECT_EQ(content(folder_ / "truth"), content(place(3) / "truth.jsonl"));
+  EXPECT_EQ(campaign_process_content(folder_ / "truth"),
+            campaign_process_content(place(3) / "truth.jsonl"));
 }
 
 TEST_F(CampaignProcess, what_was_killed_is_run_again_and_nothing_else) {
@@ -163,8 +166,9 @@ TEST_F(CampaignProcess, a_signal_ends_rig_and_program_and_leaves_no_mark) {
   std::vector<std::string> words = run("0");
   words.insert(words.begin(), {kProgram, "campaign"});
   ChildProcess child(words, folder_ / "output");
-  ASSERT_TRUE(eventually([&] { return !content(place(0) / "pid").empty(); })) << child.output();
-  const pid_t program = std::stoi(content(place(0) / "pid"));
+  ASSERT_TRUE(eventually([&] { return !campaign_process_content(place(0) / "pid").empty(); }))
+      << child.output();
+  const pid_t program = std::stoi(campaign_process_content(place(0) / "pid"));
   child.signal(SIGTERM);
   EXPECT_EQ(child.wait(30s), 128 + SIGTERM);
   EXPECT_TRUE(eventually([&] { return ::kill(program, 0) != 0; }));
@@ -181,8 +185,9 @@ TEST_F(CampaignProcess, a_killed_process_takes_its_rig_and_program_along) {
   std::vector<std::string> words = run("0");
   words.insert(words.begin(), {kProgram, "campaign"});
   ChildProcess child(words, folder_ / "output");
-  ASSERT_TRUE(eventually([&] { return !content(place(0) / "pid").empty(); })) << child.output();
-  const pid_t program = std::stoi(content(place(0) / "pid"));
+  ASSERT_TRUE(eventually([&] { return !campaign_process_content(place(0) / "pid").empty(); }))
+      << child.output();
+  const pid_t program = std::stoi(campaign_process_content(place(0) / "pid"));
   child.signal(SIGKILL);
   EXPECT_EQ(child.wait(30s), 128 + SIGKILL);
   EXPECT_TRUE(eventually([&] { return ::kill(program, 0) != 0; }));
@@ -196,14 +201,14 @@ TEST_F(CampaignProcess, a_program_gets_what_its_words_name) {
          "test -e {devices.gnss.path} && exit {speed}\"]\n"
          "criteria: {ended: {type: program_exit, status: 3}}\n";
   EXPECT_EQ(rigwire(run("0-1")).output, "run 0: failed\nrun 1: passed\n");
-  EXPECT_THAT(content(place(1) / "program.log"),
+  EXPECT_THAT(campaign_process_content(place(1) / "program.log"),
               testing::StartsWith("3 1 115200 bit/s /tmp/rigwire-run-"));
   EXPECT_EQ(result(0)["criteria"]["ended"]["text"], "the program ended with status 1");
 }
 
 TEST_F(CampaignProcess, what_cannot_be_judged_is_a_row_that_says_why) {
   write_campaign();
-  std::string text = content(campaign());
+  std::string text = campaign_process_content(campaign());
   text.replace(text.find("heading_deg"), 11, "heading_dog");
   std::ofstream(folder_ / "campaign.yaml") << text;
   const Done done = rigwire(run("0"));
@@ -242,7 +247,7 @@ TEST_F(CampaignProcess, a_folder_is_of_one_campaign) {
 
 TEST_F(CampaignProcess, what_a_rig_refuses_is_found_before_anything_runs) {
   write_campaign();
-  std::string text = content(campaign());
+  std::string text = campaign_process_content(campaign());
   text.replace(text.find("5 Hz"), 4, "5 m");
   std::ofstream(folder_ / "campaign.yaml") << text;
   const Done done = rigwire({"expand", campaign()});

@@ -10,10 +10,10 @@
 #include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 #include <string>
 
+#include "fields/constants.h"
 #include "hil/configuration/problems.h"
 #include "hil/devices/device_types.h"
 #include "hil/rig/rig.h"
@@ -25,8 +25,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using namespace std::chrono_literals;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// A utility vehicle that stands across a slope, with one bus.
 class InclinometerRig : public testing::Test {

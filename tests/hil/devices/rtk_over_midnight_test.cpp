@@ -25,7 +25,7 @@ namespace rtcm3 = protocols::rtcm3;
 namespace ubx = protocols::ubx;
 using namespace std::chrono_literals;
 
-constexpr std::uint64_t kSeed = 7;
+constexpr std::uint64_t kRtkOverMidnightSeed = 7;
 constexpr int kSeconds = 180;  // from 23:58:30 on: the week ends after 73 s, the year after 91
 
 class RtkOverMidnight : public ::testing::Test {
@@ -71,7 +71,7 @@ class RtkOverMidnight : public ::testing::Test {
   }
   std::unique_ptr<ReceiverOnWires> make(const std::string& name, const Eigen::Vector3d& p_W) {
     return std::make_unique<ReceiverOnWires>(settings_, parameters_, calendar_, frame_, antennas_,
-                                             kSeed, name, standing_at(p_W));
+                                             kRtkOverMidnightSeed, name, standing_at(p_W));
   }
   /// Sentences of that type, as the rover said them.
   [[nodiscard]] std::vector<std::vector<std::string>> sentences(std::string_view type) const {

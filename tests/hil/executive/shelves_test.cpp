@@ -99,12 +99,12 @@ TEST(Shelves, DoNotAllocateOnceTheyHaveBeenAsFullAsTheyGet) {
     return moved;
   };
   (void)slice();
-  const auto before = test::allocations();
+  const auto before = rigwire::test::allocations();
   std::size_t moved = 0;
   for (int i = 0; i < 1000; ++i) {
     moved += slice();
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(rigwire::test::allocations(), before);
   EXPECT_EQ(moved, 8000U);
 }
 

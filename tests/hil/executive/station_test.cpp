@@ -139,11 +139,11 @@ TEST(Station, DoesNotAllocateOnceItsShelvesAndInboxAreThere) {
   for (int i = 0; i < 10; ++i) {
     slice();
   }
-  const auto before = test::allocations();
+  const auto before = rigwire::test::allocations();
   for (int i = 0; i < 1000; ++i) {
     slice();
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(rigwire::test::allocations(), before);
   EXPECT_EQ(probe.samples.size(), 10'097U);
 }
 

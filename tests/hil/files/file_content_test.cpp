@@ -17,7 +17,7 @@ namespace {
 using fields::FileKind;
 namespace fs = std::filesystem;
 
-constexpr const char* kDbc =
+constexpr const char* kFileContentDbc =
     "BU_: SENSOR\n"
     "BO_ 100 Angles: 8 SENSOR\n"
     " SG_ Angle : 0|16@1- (0.01,0) [-300|300] \"deg\" SENSOR\n";
@@ -34,18 +34,19 @@ class FileContent : public testing::Test {
 };
 
 TEST_F(FileContent, the_dbc_file_of_a_binding_counts_and_its_place_does_not) {
-  write("a/node.dbc", kDbc);
+  write("a/node.dbc", kFileContentDbc);
   const std::string binding = write("a/node.yaml", "dbc: node.dbc\nnode: SENSOR\n");
   const std::string before = file_content(binding, FileKind::dbc_node);
-  write("b/other.dbc", kDbc);
+  write("b/other.dbc", kFileContentDbc);
   const std::string elsewhere = write("b/node.yaml", "# moved\nnode: SENSOR\ndbc: other.dbc\n");
   EXPECT_EQ(file_content(elsewhere, FileKind::dbc_node), before);
-  write("a/node.dbc", std::string(kDbc) + "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 1000;\n");
+  write("a/node.dbc",
+        std::string(kFileContentDbc) + "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 1000;\n");
   EXPECT_NE(file_content(binding, FileKind::dbc_node), before);
 }
 
 TEST_F(FileContent, what_a_file_includes_counts) {
-  write("node.dbc", kDbc);
+  write("node.dbc", kFileContentDbc);
   write("common.yaml", "processing_delay: 1 ms\n");
   const std::string binding = write("node.yaml", "include: common.yaml\ndbc: node.dbc\n");
   const std::string before = file_content(binding, FileKind::dbc_node);

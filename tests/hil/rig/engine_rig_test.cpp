@@ -28,7 +28,7 @@ namespace iso = protocols::iso11783;
 namespace vehicle = protocols::vehicle;
 using namespace std::chrono_literals;
 
-constexpr const char* kRigFile = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_can.yaml";
+constexpr const char* kEngineRigRigFile = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_can.yaml";
 constexpr double kRpm = vehicle::kRevolutionPerMinute_radps;
 
 /// A serial-line adapter on one of the rig's buses.
@@ -116,10 +116,10 @@ struct Outcome {
 
 Outcome run(Duration duration) {
   const test::PrivateWires wires;
-  const LoadedRig loaded =
-      load_rig(kRigFile, {"devices.gnss.path=" + wires.gnss(), "buses.can.path=" + wires.can(),
-                          "buses.can.wire=slcan", "buses.valves.wire=slcan",
-                          "buses.valves.path=" + (wires.folder / "valves").string()});
+  const LoadedRig loaded = load_rig(
+      kEngineRigRigFile,
+      {"devices.gnss.path=" + wires.gnss(), "buses.can.path=" + wires.can(), "buses.can.wire=slcan",
+       "buses.valves.wire=slcan", "buses.valves.path=" + (wires.folder / "valves").string()});
   const auto truth = wires.folder / "truth.jsonl";
   Outcome outcome;
   {

@@ -23,7 +23,7 @@ namespace {
 namespace iso = protocols::iso11783;
 using namespace std::chrono_literals;
 
-constexpr const char* kRigFile = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_can.yaml";
+constexpr const char* kIsoValveRigRigFile = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_can.yaml";
 constexpr unsigned kBoomValve = 2;  // first_valve 1, section 2
 
 std::vector<std::string> private_sets(const test::PrivateWires& wires) {
@@ -86,9 +86,9 @@ class Controller final : public EventSource {
 };
 
 /// Lines of the truth file: joint angles and spools every 10 ms.
-std::vector<nlohmann::json> run(Duration duration) {
+std::vector<nlohmann::json> iso_valve_rig_run(Duration duration) {
   const test::PrivateWires wires;
-  const LoadedRig loaded = load_rig(kRigFile, private_sets(wires));
+  const LoadedRig loaded = load_rig(kIsoValveRigRigFile, private_sets(wires));
   const auto truth = wires.folder / "truth.jsonl";
   {
     boost::asio::io_context io;
@@ -108,7 +108,7 @@ std::vector<nlohmann::json> run(Duration duration) {
 }
 
 TEST(IsoValveRig, CommandsOnTheBusMoveTheBoomAndItsSilenceStopsIt) {
-  const auto lines = run(1800ms);
+  const auto lines = iso_valve_rig_run(1800ms);
   ASSERT_EQ(lines.size(), 180U);
   const auto boom_rad = [&](std::size_t line) { return lines[line]["joint_rad"][1].get<double>(); };
   const auto spool = [&](std::size_t line) { return lines[line]["spool"][1].get<double>(); };
@@ -123,7 +123,7 @@ TEST(IsoValveRig, ALeverForASectionThatIsNotThereIsRefused) {
   std::vector<std::string> sets = private_sets(wires);
   sets.push_back("devices.valves.joysticks.x1=arm");
   try {
-    (void)load_rig(kRigFile, sets);
+    (void)load_rig(kIsoValveRigRigFile, sets);
     ADD_FAILURE() << "a lever for a section that is not there was taken";
   } catch (const ConfigurationError& error) {
     EXPECT_NE(std::string(error.what()).find("joysticks"), std::string::npos);

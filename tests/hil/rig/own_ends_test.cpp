@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 using protocols::can::Frame;
 using testing::HasSubstr;
 
-class End final : public drivers::CanBus {
+class OwnEndsEnd final : public drivers::CanBus {
  public:
   void start(Receiver receiver) override { to_the_bus = std::move(receiver); }
   bool deliver(const Frame& frame, Stamp stamp) override {
@@ -64,7 +64,7 @@ class OwnEndsOfRigs : public testing::Test {
   }
 
   boost::asio::io_context io_;
-  End end_;
+  OwnEndsEnd end_;
   test::PrivateWires wires_;
   std::filesystem::path file_ = wires_.folder / "rig.yaml";
 };

@@ -30,9 +30,10 @@ using testing::HasSubstr;
 using testing::Not;
 
 const std::string kConfigs = std::string(RIGWIRE_SOURCE_DIR) + "/configs";
-const std::string kPit = kConfigs + "/rigs/excavator_pit.yaml";
+const std::string kRigConfigurationPit = kConfigs + "/rigs/excavator_pit.yaml";
 
-std::string complaints(const std::vector<std::string>& sets, const std::string& rig = kPit) {
+std::string complaints(const std::vector<std::string>& sets,
+                       const std::string& rig = kRigConfigurationPit) {
   try {
     (void)load_rig(rig, sets);
     return "";
@@ -103,7 +104,7 @@ TEST(Configs, every_file_is_loaded_without_a_finding) {
 }
 
 TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
-  const RigConfiguration rig = load_rig(kPit, {}).configuration;
+  const RigConfiguration rig = load_rig(kRigConfigurationPit, {}).configuration;
   std::vector<std::string> names;
   for (const auto& [name, device] : rig.devices) {
     names.push_back(name);
@@ -123,30 +124,32 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
 }
 
 TEST(ExcavatorPit, machine_file_repeats_the_defaults_of_the_reference_machine) {
-  const RigConfiguration rig = load_rig(kPit, {}).configuration;
+  const RigConfiguration rig = load_rig(kRigConfigurationPit, {}).configuration;
   const ExcavatorMachine& machine = *fields::as<ExcavatorMachine>(rig.machine.model);
   EXPECT_EQ(hash_text(outline(machine.excavator), file_content),
             hash_text(outline(sim::ExcavatorParameters{}), file_content));
 }
 
 TEST(ExcavatorPit, rate_of_the_receiver_can_be_set_on_the_command_line) {
-  const RigConfiguration rig = load_rig(kPit, {"devices.gnss.rate=5"}).configuration;
+  const RigConfiguration rig =
+      load_rig(kRigConfigurationPit, {"devices.gnss.rate=5"}).configuration;
   EXPECT_EQ(fields::as<UbloxConfiguration>(rig.devices.at("gnss"))->receiver.measurement_period,
             std::chrono::milliseconds(200));
 }
 
 TEST(ExcavatorPit, printed_rig_loads_to_the_same_hash) {
-  const LoadedRig rig = load_rig(kPit, {"devices.gnss.rate=4", "seed=7"});
+  const LoadedRig rig = load_rig(kRigConfigurationPit, {"devices.gnss.rate=4", "seed=7"});
   const fs::path copy = fs::temp_directory_path() / ("rigwire_rig_" + std::to_string(::getpid()));
   std::ofstream(copy) << print_rig(rig);
   const LoadedRig again = load_rig(copy.string(), {});
   fs::remove(copy);
   EXPECT_EQ(config_hash(again.configuration), config_hash(rig.configuration));
-  EXPECT_NE(config_hash(again.configuration), config_hash(load_rig(kPit, {}).configuration));
+  EXPECT_NE(config_hash(again.configuration),
+            config_hash(load_rig(kRigConfigurationPit, {}).configuration));
 }
 
 TEST(ExcavatorPit, every_documented_key_can_be_set_to_its_printed_value) {
-  const OutlineNode tree = outline(load_rig(kPit, {}).configuration);
+  const OutlineNode tree = outline(load_rig(kRigConfigurationPit, {}).configuration);
   const std::string hash = hash_text(tree, file_content);
   std::vector<std::string> sets;
   const auto walk = [&](auto&& self, const OutlineNode& node, const std::string& path) -> void {
@@ -163,7 +166,7 @@ TEST(ExcavatorPit, every_documented_key_can_be_set_to_its_printed_value) {
   };
   walk(walk, tree, "");
   EXPECT_GT(sets.size(), 200u);
-  EXPECT_EQ(config_hash(load_rig(kPit, sets).configuration), hash);
+  EXPECT_EQ(config_hash(load_rig(kRigConfigurationPit, sets).configuration), hash);
 }
 
 TEST(BadRig, mistyped_device_and_key_on_the_command_line_are_told) {
@@ -245,7 +248,8 @@ TEST(BadRig, all_findings_come_in_one_pass) {
 
 TEST(BadRig, missing_rig_is_one_finding) {
   EXPECT_EQ(complaints({}, kConfigs + "/rigs/excavator_pti.yaml"),
-            kConfigs + "/rigs/excavator_pti.yaml: no such file, did you mean " + kPit + "?");
+            kConfigs + "/rigs/excavator_pti.yaml: no such file, did you mean " +
+                kRigConfigurationPit + "?");
 }
 
 TEST(BadRig, size_of_the_scene_on_the_command_line_is_not_blamed_on_the_scenes_file) {

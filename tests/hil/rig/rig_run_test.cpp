@@ -18,12 +18,12 @@ using namespace std::chrono_literals;
 
 constexpr const char* kRigFile = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_pit.yaml";
 
-struct Ran {
+struct RigRunRan {
   std::map<std::string, DeviceReport> devices;
   RunOutcome outcome;
 };
 
-Ran run(Duration duration, std::vector<std::string> sets = {}) {
+RigRunRan run(Duration duration, std::vector<std::string> sets = {}) {
   const test::PrivateWires wires;
   for (auto& set : wires.sets()) {
     sets.push_back(set);
@@ -31,7 +31,7 @@ Ran run(Duration duration, std::vector<std::string> sets = {}) {
   const LoadedRig loaded = load_rig(kRigFile, sets);
   boost::asio::io_context io;
   Rig rig(loaded.configuration, io, {});
-  Ran ran;
+  RigRunRan ran;
   ran.outcome = rig.executive().run_free(kStart + duration);
   for (auto& report : rig.device_reports()) {
     ran.devices.emplace(report.name, report);
@@ -40,8 +40,8 @@ Ran run(Duration duration, std::vector<std::string> sets = {}) {
 }
 
 TEST(RigRun, SameSeedGivesTheSameBytesOnEveryDevice) {
-  const Ran first = run(3s);
-  const Ran second = run(3s);
+  const RigRunRan first = run(3s);
+  const RigRunRan second = run(3s);
   ASSERT_EQ(first.devices.size(), 9U);
   for (const auto& [name, device] : first.devices) {
     EXPECT_EQ(device.statistics.hash.value(), second.devices.at(name).statistics.hash.value())
@@ -50,8 +50,8 @@ TEST(RigRun, SameSeedGivesTheSameBytesOnEveryDevice) {
 }
 
 TEST(RigRun, AnotherSeedGivesOtherNoise) {
-  const Ran first = run(2s);
-  const Ran second = run(2s, {"seed=2"});
+  const RigRunRan first = run(2s);
+  const RigRunRan second = run(2s, {"seed=2"});
   for (const char* name : {"gnss", "lidar", "imu_boom", "imu_bucket", "imu_chassis", "imu_stick"}) {
     EXPECT_NE(first.devices.at(name).statistics.hash.value(),
               second.devices.at(name).statistics.hash.value())
@@ -60,15 +60,15 @@ TEST(RigRun, AnotherSeedGivesOtherNoise) {
 }
 
 TEST(RigRun, ThreadsDoNotChangeAByte) {
-  const Ran one = run(1s);
-  const Ran three = run(1s, {"devices.lidar.sensor.threads=3"});
+  const RigRunRan one = run(1s);
+  const RigRunRan three = run(1s, {"devices.lidar.sensor.threads=3"});
   EXPECT_EQ(one.devices.at("lidar").statistics.hash.value(),
             three.devices.at("lidar").statistics.hash.value());
 }
 
 TEST(RigRun, OneDevicesSettingsDoNotShiftAnothersNoise) {
-  const Ran as_is = run(2s);
-  const Ran changed = run(2s, {"devices.imu_boom.rate=50"});
+  const RigRunRan as_is = run(2s);
+  const RigRunRan changed = run(2s, {"devices.imu_boom.rate=50"});
   for (const char* untouched : {"lidar", "gnss"}) {
     EXPECT_EQ(as_is.devices.at(untouched).statistics.hash.value(),
               changed.devices.at(untouched).statistics.hash.value())
@@ -79,7 +79,7 @@ TEST(RigRun, OneDevicesSettingsDoNotShiftAnothersNoise) {
 }
 
 TEST(RigRun, EveryDeviceKeepsItsNominalRate) {
-  const Ran ran = run(10s);
+  const RigRunRan ran = run(10s);
   EXPECT_FALSE(ran.outcome.fault.has_value());
   // 12 firings of 46.08 us a packet, one position packet per 14 of them.
   const double packets = 10.0 / (12 * 46.08e-6);

@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr const char* kRigFile = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_tracks.yaml";
+constexpr const char* kTrackRigRigFile = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_tracks.yaml";
 constexpr const char* kPitFile = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_pit.yaml";
 const std::vector<std::string> kSections{"swing",      "boom",        "stick", "bucket",
                                          "left_track", "right_track", "blade"};
@@ -36,7 +36,7 @@ std::string refusal(const char* file, const std::vector<std::string>& sets) {
 }
 
 TEST(TrackRig, ItsDriversRegistersDriveItAndTellOfIt) {
-  const LoadedRig rig = load_rig(kRigFile, {});
+  const LoadedRig rig = load_rig(kTrackRigRigFile, {});
   const auto* model = dynamic_cast<const ExcavatorMachine*>(&*rig.configuration.machine.model);
   ASSERT_NE(model, nullptr);
   const sim::Ground ground;
@@ -92,8 +92,9 @@ TEST(TrackRig, SectionsOfAMachineThatStandsStillAreRefusedWithThoseThatItHas) {
   EXPECT_THAT(refusal(kPitFile, {"devices.valves.sections=[boom, left_track]"}),
               AllOf(HasSubstr("devices.valves.sections.1"), HasSubstr("left_track"),
                     HasSubstr("allowed swing, boom, stick, bucket")));
-  EXPECT_THAT(refusal(kRigFile, {"machine.excavator.carrier=fixed"}), HasSubstr("left_track"));
-  EXPECT_EQ(refusal(kRigFile, {"devices.valves.sections=[left_track, right_track]"}), "");
+  EXPECT_THAT(refusal(kTrackRigRigFile, {"machine.excavator.carrier=fixed"}),
+              HasSubstr("left_track"));
+  EXPECT_EQ(refusal(kTrackRigRigFile, {"devices.valves.sections=[left_track, right_track]"}), "");
 }
 
 TEST(TrackRig, KeysOfTracksThatAreNotThereAreRefused) {

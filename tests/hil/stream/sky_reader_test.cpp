@@ -21,7 +21,7 @@ using testing::SizeIs;
 
 using Sky = std::vector<SkySatellite>;
 
-std::string sentence(const std::string& body) {
+std::string sky_sentence(const std::string& body) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
   const unsigned sum = protocols::nmea::checksum(body);
   return "$" + body + "*" + kDigits[sum / 16] + kDigits[sum % 16] + "\r\n";
@@ -41,10 +41,11 @@ std::vector<Sky> read(SkyReader& reader, std::string_view bytes, std::string* me
 
 TEST(SkyReader, JoinsThePagesOfGsvWithWhatGsaUses) {
   SkyReader reader;
-  const auto told = read(reader, sentence("GPGSA,A,3,05,,,,,,,,,,,,2.0,1.0,1.7") +
-                                     sentence("GPGSV,2,1,05,05,60,120,44,07,30,200,,09,10,300,31,"
-                                              "12,,,") +
-                                     sentence("GPGSV,2,2,05,33,25,180,38"));
+  const auto told =
+      read(reader, sky_sentence("GPGSA,A,3,05,,,,,,,,,,,,2.0,1.0,1.7") +
+                       sky_sentence("GPGSV,2,1,05,05,60,120,44,07,30,200,,09,10,300,31,"
+                                    "12,,,") +
+                       sky_sentence("GPGSV,2,2,05,33,25,180,38"));
   ASSERT_THAT(told, SizeIs(1));
   ASSERT_THAT(told[0], SizeIs(4)) << "the one without a direction is left out";
   EXPECT_EQ(told[0][0].name, "GPS 5");
@@ -60,9 +61,9 @@ TEST(SkyReader, JoinsThePagesOfGsvWithWhatGsaUses) {
 
 TEST(SkyReader, WhatWasUsedBeforeIsForgottenWithTheNextEpoch) {
   SkyReader reader;
-  const std::string view = sentence("GPGSV,1,1,02,05,60,120,44,07,30,200,41");
-  (void)read(reader, sentence("GPGSA,A,3,05,,,,,,,,,,,,2.0,1.0,1.7") + view);
-  const auto told = read(reader, sentence("GPGSA,A,3,07,,,,,,,,,,,,2.0,1.0,1.7") + view);
+  const std::string view = sky_sentence("GPGSV,1,1,02,05,60,120,44,07,30,200,41");
+  (void)read(reader, sky_sentence("GPGSA,A,3,05,,,,,,,,,,,,2.0,1.0,1.7") + view);
+  const auto told = read(reader, sky_sentence("GPGSA,A,3,07,,,,,,,,,,,,2.0,1.0,1.7") + view);
   ASSERT_THAT(told, SizeIs(1));
   EXPECT_FALSE(told[0][0].used);
   EXPECT_TRUE(told[0][1].used);
@@ -70,9 +71,9 @@ TEST(SkyReader, WhatWasUsedBeforeIsForgottenWithTheNextEpoch) {
 
 TEST(SkyReader, SystemsOfTheSameNumbersAreToldApart) {
   SkyReader reader;
-  const auto told = read(reader, sentence("GNGSA,A,3,05,,,,,,,,,,,,2.0,1.0,1.7,1") +
-                                     sentence("GPGSV,1,1,01,05,60,120,44,1") +
-                                     sentence("GAGSV,1,1,01,05,20,010,40,7"));
+  const auto told = read(reader, sky_sentence("GNGSA,A,3,05,,,,,,,,,,,,2.0,1.0,1.7,1") +
+                                     sky_sentence("GPGSV,1,1,01,05,60,120,44,1") +
+                                     sky_sentence("GAGSV,1,1,01,05,20,010,40,7"));
   ASSERT_THAT(told, SizeIs(2));
   for (const SkySatellite& one : told[1]) {
     EXPECT_EQ(one.used, one.name == "GPS 5") << one.name;
@@ -117,7 +118,7 @@ TEST(SkyReader, PagesWithoutEndAreNoSky) {
   SkyReader reader;
   std::string pages;
   for (int i = 0; i < 1000; ++i) {
-    pages += sentence("GPGSV,3,2,12,05,60,120,44,07,30,200,41,08,30,200,41,09,30,200,41");
+    pages += sky_sentence("GPGSV,3,2,12,05,60,120,44,07,30,200,41,08,30,200,41,09,30,200,41");
   }
   EXPECT_THAT(read(reader, pages), IsEmpty());
 }

@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 using Bytes = std::vector<std::uint8_t>;
 
 /// A bus whose only client is the test.
-class OneSocket final : public UsbBus, public emulators::UsbHost {
+class UsbSerialStreamOneSocket final : public UsbBus, public emulators::UsbHost {
  public:
   Socket plug(emulators::UsbDevice& device, std::string_view name) override {
     named = name;
@@ -76,7 +76,7 @@ class UsbSerialStreamTest : public ::testing::Test {
   }
 
   boost::asio::io_context io;
-  OneSocket bus;
+  UsbSerialStreamOneSocket bus;
   UsbSerialStream stream{io, bus, emulators::ublox_usb(7), "gnss"};
   std::vector<std::string> story;
 };
@@ -145,7 +145,7 @@ TEST_F(UsbSerialStreamTest, WhatNobodyTakesIsBounded) {
 
 TEST(UsbSerialStream, ItsEndForgetsPendingNews) {
   boost::asio::io_context io;
-  OneSocket bus;
+  UsbSerialStreamOneSocket bus;
   {
     UsbSerialStream stream(io, bus, emulators::ublox_usb(7), "gnss");
     stream.start([](std::span<const std::uint8_t>) { FAIL(); });

@@ -404,11 +404,11 @@ TEST(StepSensor, DoesNotAllocateOnceItsShelfIsThere) {
     made += samples.size();
   };
   slice();
-  const auto before = test::allocations();
+  const auto before = rigwire::test::allocations();
   for (int i = 0; i < 100; ++i) {
     slice();
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(rigwire::test::allocations(), before);
   EXPECT_EQ(made, 11U + 100U * 10U);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using testing::ElementsAre;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSignalNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr Coding j1939_row(std::uint16_t bit, std::uint16_t width, double scale, double offset,
@@ -118,10 +118,10 @@ TEST(ReservedPatterns, NumbersSaturateBelowThem) {
 }
 
 TEST(ReservedPatterns, NanIsNotAvailableAndInfinityAnError) {
-  EXPECT_EQ(to_raw(kRate, kNan), 0xFFFFU);
+  EXPECT_EQ(to_raw(kRate, kSignalNan), 0xFFFFU);
   EXPECT_EQ(to_raw(kRate, kInfinity), 0xFEFFU);
   EXPECT_EQ(to_raw(kRate, -kInfinity), 0xFEFFU);
-  EXPECT_TRUE(std::isnan(get(kRate, bytes_of(kRate, kNan)).number()));
+  EXPECT_TRUE(std::isnan(get(kRate, bytes_of(kRate, kSignalNan)).number()));
   EXPECT_EQ(get(kRate, bytes_of(kRate, -kInfinity)).number(), kInfinity);
   EXPECT_TRUE(std::isnan(from_raw(kRate, 0xFB00).number()));  // an indicator
 }
@@ -282,7 +282,7 @@ TEST(Signal, FloatingPointByHand) {
 
 TEST(Signal, FloatingPointCarriesWhatIsNoNumber) {
   for (const Coding& row : {floating(0, 32), floating(0, 64)}) {
-    EXPECT_EQ(get(row, bytes_of(row, kNan)).availability, Availability::not_available);
+    EXPECT_EQ(get(row, bytes_of(row, kSignalNan)).availability, Availability::not_available);
     EXPECT_EQ(get(row, bytes_of(row, -kInfinity)).availability, Availability::error);
     Coding limited = row;
     limited.lower = -10.0;
@@ -293,9 +293,9 @@ TEST(Signal, FloatingPointCarriesWhatIsNoNumber) {
 }
 
 TEST(Signal, NanWithoutAPatternLeavesTheBits) {
-  EXPECT_THAT(bytes_of(number(0, 16), kNan, 0xEE),
+  EXPECT_THAT(bytes_of(number(0, 16), kSignalNan, 0xEE),
               ElementsAre(0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE));
-  EXPECT_EQ(to_raw(number(0, 16), kNan), 0U);
+  EXPECT_EQ(to_raw(number(0, 16), kSignalNan), 0U);
 }
 
 TEST(Signal, RowsThatAreNoneAreNamedAndHarmless) {
@@ -311,10 +311,10 @@ TEST(Signal, RowsThatAreNoneAreNamedAndHarmless) {
   rows[6].scale = 0.0;
   rows[7].offset = kInfinity;
   rows[8].lower = rows[8].upper + 1.0;
-  rows[9].upper = kNan;
+  rows[9].upper = kSignalNan;
   for (const Coding& row : rows) {
     EXPECT_FALSE(defect(row, 8).empty()) << &row - rows.data();
-    for (const double value : {0.0, 1e300, -1e300, kNan, kInfinity}) {
+    for (const double value : {0.0, 1e300, -1e300, kSignalNan, kInfinity}) {
       const Bytes data = bytes_of(row, value);
       (void)get(row, data);
       (void)from_raw(row, to_raw(row, value));

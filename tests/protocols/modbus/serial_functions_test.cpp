@@ -17,14 +17,14 @@ Bytes diagnostics(std::uint16_t sub_function, std::uint16_t data) {
           static_cast<std::uint8_t>(data >> 8U), static_cast<std::uint8_t>(data)};
 }
 
-Refusal refusal_of(const Bytes& pdu) {
+Refusal serial_functions_refusal_of(const Bytes& pdu) {
   const auto decoded = decode_serial_request(pdu);
   const auto* refusal = decoded ? std::get_if<Refusal>(&*decoded) : nullptr;
   EXPECT_NE(refusal, nullptr) << "the request was taken";
   return refusal != nullptr ? *refusal : Refusal{};
 }
 
-bool taken(const Bytes& pdu) {
+bool serial_functions_taken(const Bytes& pdu) {
   const auto decoded = decode_serial_request(pdu);
   return decoded && std::holds_alternative<SerialRequest>(*decoded);
 }
@@ -38,8 +38,8 @@ TEST(SerialFunctions, LeavesTheOthersAlone) {
 
 TEST(SerialFunctions, StatusAndEventCounterHaveNoData) {
   for (const std::uint8_t function : {std::uint8_t{7}, std::uint8_t{11}}) {
-    EXPECT_TRUE(taken({function}));
-    EXPECT_EQ(refusal_of({function, 0}),
+    EXPECT_TRUE(serial_functions_taken({function}));
+    EXPECT_EQ(serial_functions_refusal_of({function, 0}),
               (Refusal{function, ExceptionCode::illegal_data_value, true}));
   }
 }
@@ -50,25 +50,27 @@ TEST(SerialFunctions, SubFunctionsThatExistAndNoOthers) {
     const auto code = static_cast<std::uint16_t>(sub_function);
     const Bytes pdu = diagnostics(code, 0);
     if (exist.contains(code)) {
-      EXPECT_TRUE(taken(pdu)) << code;
+      EXPECT_TRUE(serial_functions_taken(pdu)) << code;
     } else {
-      EXPECT_EQ(refusal_of(pdu).code, ExceptionCode::illegal_function) << code;
+      EXPECT_EQ(serial_functions_refusal_of(pdu).code, ExceptionCode::illegal_function) << code;
     }
   }
 }
 
 TEST(SerialFunctions, TheSubFunctionIsJudgedBeforeItsData) {
-  EXPECT_EQ(refusal_of(diagnostics(3, 7)).code, ExceptionCode::illegal_function);
-  EXPECT_EQ(refusal_of(diagnostics(2, 7)).code, ExceptionCode::illegal_data_value);
-  EXPECT_EQ(refusal_of(diagnostics(4, 0xFF00)).code, ExceptionCode::illegal_data_value);
-  EXPECT_TRUE(taken(diagnostics(1, 0xFF00)));
-  EXPECT_EQ(refusal_of(diagnostics(1, 0xFF01)).code, ExceptionCode::illegal_data_value);
+  EXPECT_EQ(serial_functions_refusal_of(diagnostics(3, 7)).code, ExceptionCode::illegal_function);
+  EXPECT_EQ(serial_functions_refusal_of(diagnostics(2, 7)).code, ExceptionCode::illegal_data_value);
+  EXPECT_EQ(serial_functions_refusal_of(diagnostics(4, 0xFF00)).code,
+            ExceptionCode::illegal_data_value);
+  EXPECT_TRUE(serial_functions_taken(diagnostics(1, 0xFF00)));
+  EXPECT_EQ(serial_functions_refusal_of(diagnostics(1, 0xFF01)).code,
+            ExceptionCode::illegal_data_value);
 }
 
 TEST(SerialFunctions, QueryDataIsAnyEvenNumberOfBytes) {
-  EXPECT_TRUE(refusal_of({8, 0, 0}).wrong_length);
-  EXPECT_TRUE(refusal_of({8, 0, 0, 1}).wrong_length);
-  EXPECT_TRUE(refusal_of({8, 0}).wrong_length);
+  EXPECT_TRUE(serial_functions_refusal_of({8, 0, 0}).wrong_length);
+  EXPECT_TRUE(serial_functions_refusal_of({8, 0, 0, 1}).wrong_length);
+  EXPECT_TRUE(serial_functions_refusal_of({8, 0}).wrong_length);
   const Bytes pdu{8, 0, 0, 0xA5, 0x37, 1, 2};
   const auto decoded = decode_serial_request(pdu);
   const auto& query = std::get<Diagnostics>(std::get<SerialRequest>(*decoded));

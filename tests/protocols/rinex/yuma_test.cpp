@@ -7,7 +7,7 @@
 namespace rigwire::protocols::rinex {
 namespace {
 
-std::string refusal_of(const std::string& text) {
+std::string yuma_refusal_of(const std::string& text) {
   return refusal([&] { static_cast<void>(read_yuma(text, "almanac.yuma", 2300)); });
 }
 
@@ -44,20 +44,21 @@ TEST(Yuma, UnknownLinesAreCounted) {
 TEST(Yuma, EveryCutBlockIsRefused) {
   const std::string text = kYuma;
   for (std::size_t at = text.find('\n'); at + 1 < text.size(); at = text.find('\n', at + 1)) {
-    EXPECT_NE(refusal_of(text.substr(0, at + 1)).find("has no"), std::string::npos);
+    EXPECT_NE(yuma_refusal_of(text.substr(0, at + 1)).find("has no"), std::string::npos);
   }
 }
 
 TEST(Yuma, ErrorsNameLineValueAndWhatIsAllowed) {
-  EXPECT_EQ(refusal_of(with(kYuma, "   05\n", "   33\n")),
+  EXPECT_EQ(yuma_refusal_of(with(kYuma, "   05\n", "   33\n")),
             "almanac.yuma:2: ID is 33.000000, allowed is 1.000000 to less than 33.000000");
-  EXPECT_EQ(refusal_of(with(kYuma, "319488.0000", "31948x.0000")),
+  EXPECT_EQ(yuma_refusal_of(with(kYuma, "319488.0000", "31948x.0000")),
             "almanac.yuma:5: Time of Applicability is \"  31948x.0000\", allowed is a finite "
             "number");
-  EXPECT_EQ(refusal_of(std::string(kYuma) + "ID: 5\n"),
+  EXPECT_EQ(yuma_refusal_of(std::string(kYuma) + "ID: 5\n"),
             "almanac.yuma:15: \"ID\" stands twice in one block");
-  EXPECT_EQ(refusal_of("ID: 5\n"), "almanac.yuma:1: \"ID\" stands before the first \"****\" line");
-  EXPECT_EQ(refusal_of(""),
+  EXPECT_EQ(yuma_refusal_of("ID: 5\n"),
+            "almanac.yuma:1: \"ID\" stands before the first \"****\" line");
+  EXPECT_EQ(yuma_refusal_of(""),
             "almanac.yuma:0: no almanac found, expected lines from \"******** Week ...\" on");
 }
 

@@ -18,11 +18,12 @@ Decoded<Message> read(std::span<const std::uint8_t> bytes) {
 }
 
 // Message 1005 of the standard's example 4.2.
-const Bytes kExample{0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34,
-                     0xB4, 0xBD, 0x62, 0xAC, 0x09, 0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98};
+const Bytes kMessageExample{0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98,
+                            0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62, 0xAC, 0x09,
+                            0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98};
 
 TEST(Rtcm3Message, ExampleOfTheStandardIsReadAndWrittenAgain) {
-  const auto message = read(kExample);
+  const auto message = read(kMessageExample);
   ASSERT_TRUE(message.ok());
   const auto& p = std::get<AntennaPosition>(*message);
   EXPECT_EQ(p.station, 2003);
@@ -30,7 +31,7 @@ TEST(Rtcm3Message, ExampleOfTheStandardIsReadAndWrittenAgain) {
   EXPECT_NEAR(p.position_m[0], 1'114'104.5999, 5e-5);
   EXPECT_NEAR(p.position_m[1], -4'850'729.7108, 5e-5);
   EXPECT_NEAR(p.position_m[2], 3'975'521.4643, 5e-5);
-  EXPECT_EQ(framed(*message), kExample);
+  EXPECT_EQ(framed(*message), kMessageExample);
 }
 
 // A ZED-F9T's 1230 without a bias has four bytes, with two of them eight.

@@ -24,7 +24,7 @@ namespace {
 using testing::ElementsAre;
 
 constexpr double kKmph = kKilometrePerHour_mps;
-constexpr double kRpm = kRevolutionPerMinute_radps;
+constexpr double kGoldenRpm = kRevolutionPerMinute_radps;
 constexpr std::uint8_t kGateway = 0x00;
 constexpr std::uint8_t kController = 0x27;
 
@@ -65,7 +65,7 @@ TEST(VehicleGolden, VehicleSpeedAndSwitches) {
 TEST(VehicleGolden, Engine) {
   Eec1 state;
   state.actual_torque_share = 0.40;
-  state.speed_radps = 1800.0 * kRpm;
+  state.speed_radps = 1800.0 * kGoldenRpm;
   const can::Frame frame = encode(state, kGateway);
   EXPECT_EQ(frame.id, 0x0CF00400U);
   EXPECT_THAT(frame.payload(), ElementsAre(0xFF, 0xFF, 0xA5, 0x40, 0x38, 0xFF, 0xFF, 0xFF));
@@ -77,7 +77,7 @@ TEST(VehicleGolden, Engine) {
   Tsc1 request;
   request.override_mode = static_cast<std::uint8_t>(OverrideMode::speed);
   request.priority = 0;
-  request.speed_radps = 1500.0 * kRpm;
+  request.speed_radps = 1500.0 * kGoldenRpm;
   const can::Frame asked = encode(request, kController, kGateway);
   EXPECT_EQ(asked.id, 0x0C000027U);
   EXPECT_THAT(asked.payload(), ElementsAre(0xCD, 0xE0, 0x2E, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF));
@@ -87,9 +87,9 @@ TEST(VehicleGolden, Gearbox) {
   Etc1 shafts;
   shafts.driveline_engaged = Switch::on;
   shafts.shift_in_process = Switch::off;
-  shafts.output_shaft_radps = 1000.0 * kRpm;  // 8000 counts
+  shafts.output_shaft_radps = 1000.0 * kGoldenRpm;  // 8000 counts
   shafts.clutch_slip_share = 0.0;
-  shafts.input_shaft_radps = 2000.0 * kRpm;
+  shafts.input_shaft_radps = 2000.0 * kGoldenRpm;
   const can::Frame frame = encode(shafts, kGateway);
   EXPECT_EQ(frame.id, 0x0CF00200U);
   EXPECT_THAT(frame.payload(), ElementsAre(0xCD, 0x40, 0x1F, 0x00, 0xFF, 0x80, 0x3E, 0xFF));

@@ -10,7 +10,7 @@
 namespace rigwire::protocols::velodyne {
 namespace {
 
-using Bytes = std::array<std::uint8_t, kPositionPacketSize>;
+using PositionPacketBytes = std::array<std::uint8_t, kPositionPacketSize>;
 
 TEST(VelodynePositionPacket, DecodesWhatItEncoded) {
   PositionPacket packet;
@@ -19,7 +19,7 @@ TEST(VelodynePositionPacket, DecodesWhatItEncoded) {
   packet.timestamp_us = 123456789;
   packet.pulse_state = PulseState::locked;
   packet.set_sentence("$GPRMC,190729,A,3708.3184,N*00\r\n");
-  Bytes bytes{};
+  PositionPacketBytes bytes{};
   encode(packet, bytes);
   EXPECT_EQ(bytes[14], 0x00);
   EXPECT_EQ(bytes[15], 0x08) << "twelve bits, two's complement";
@@ -32,7 +32,7 @@ TEST(VelodynePositionPacket, DecodesWhatItEncoded) {
 }
 
 TEST(VelodynePositionPacket, RefusesWhatCannotBeOne) {
-  Bytes bytes{};
+  PositionPacketBytes bytes{};
   EXPECT_TRUE(decode_position_packet(bytes).ok());
   EXPECT_TRUE(decode_position_packet(std::span(bytes).first(511)).incomplete());
   EXPECT_TRUE(decode_position_packet(std::vector<std::uint8_t>(513)).malformed());
@@ -62,7 +62,7 @@ TEST(VelodynePositionPacket, ExtendedFieldsStandWhereTheManualPutsThem) {
                    .at_power_up_c = 20};
   packet.timestamp_us = 0x0A0B0C0D;
   packet.set_sentence("$GPGGA,");
-  Bytes bytes{};
+  PositionPacketBytes bytes{};
   encode(packet, bytes);
   const std::array<std::uint8_t, 20> expected{45, 41, 39, 0xFD, 0xFF, 4,    3,    2,  1,  3,
                                               5,  13, 12, 11,   10,   0x00, 0x01, 91, 20, '$'};

@@ -10,7 +10,7 @@
 namespace rigwire::protocols::velodyne {
 namespace {
 
-using Bytes = std::array<std::uint8_t, kStatusRecordSize>;
+using StatusChannelBytes = std::array<std::uint8_t, kStatusRecordSize>;
 
 StatusRecord sample(StatusFormat format) {
   StatusRecord record;
@@ -40,7 +40,7 @@ StatusRecord sample(StatusFormat format) {
 
 TEST(VelodyneStatusRecord, DecodesWhatItEncoded) {
   for (const StatusFormat format : {StatusFormat::s2, StatusFormat::s3}) {
-    Bytes bytes{};
+    StatusChannelBytes bytes{};
     encode(sample(format), bytes);
     const auto decoded = decode_status_record(bytes);
     ASSERT_TRUE(decoded.ok()) << decoded.fault().reason;
@@ -54,7 +54,7 @@ TEST(VelodyneStatusRecord, BytesStandWhereTheManualPutsThem) {
   record.calibration.lasers[1].dist_correction_m = 1.5;      // 0x05DC
   record.calibration.lasers[1].horiz_offset_m = -0.026;      // 0xFFE6
   record.calibration.lasers[1].focal_slope = 1.4;            // 14
-  Bytes bytes{};
+  StatusChannelBytes bytes{};
   encode(record, bytes);
   const std::size_t laser = 7 + 28;
   EXPECT_EQ(bytes[0], 'U');
@@ -98,7 +98,7 @@ std::uint16_t remainder(const std::vector<std::uint8_t>& message) {
 
 TEST(VelodyneStatusRecord, CheckIsTheRemainderOfTheLasersBytes) {
   EXPECT_EQ(remainder({'1', '2', '3', '4', '5', '6', '7', '8', '9'}), 0xFEE8) << "the catalogue's";
-  Bytes bytes{};
+  StatusChannelBytes bytes{};
   encode(sample(StatusFormat::s3), bytes);
   std::vector<std::uint8_t> covered;
   for (std::size_t i = 0; i < 64; ++i) {
@@ -110,14 +110,14 @@ TEST(VelodyneStatusRecord, CheckIsTheRemainderOfTheLasersBytes) {
 }
 
 TEST(VelodyneStatusRecord, RefusesADamagedOne) {
-  Bytes bytes{};
+  StatusChannelBytes bytes{};
   encode(sample(StatusFormat::s3), bytes);
   EXPECT_TRUE(decode_status_record(std::span(bytes).first(1819)).incomplete());
-  Bytes flipped = bytes;
+  StatusChannelBytes flipped = bytes;
   flipped[7 + 30 * 28 + 5] ^= 1;
   ASSERT_TRUE(decode_status_record(flipped).malformed());
   EXPECT_EQ(decode_status_record(flipped).fault().offset, 1818U);
-  Bytes renumbered = bytes;
+  StatusChannelBytes renumbered = bytes;
   renumbered[7] = 5;
   EXPECT_TRUE(decode_status_record(renumbered).malformed());
   bytes[0] = 'u';

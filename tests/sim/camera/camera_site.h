@@ -3,17 +3,15 @@
 
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <utility>
 #include <vector>
 
+#include "fields/constants.h"
 #include "sim/camera/camera_renderer.h"
 
 namespace rigwire::sim::camera_test {
 
 using namespace std::chrono_literals;
-
-inline constexpr double kDegree = std::numbers::pi / 180.0;
 
 inline Eigen::Vector3d sun_at(double elevation_deg, double azimuth_deg) {
   const double e = elevation_deg * kDegree;

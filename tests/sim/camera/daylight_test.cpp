@@ -1,4 +1,5 @@
 #include "sim/camera/daylight.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,6 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 const Eigen::Vector3f kLuminance(0.2126F, 0.7152F, 0.0722F);
 
 Eigen::Vector3d sun_at(double elevation_deg, double azimuth_deg = 140.0) {

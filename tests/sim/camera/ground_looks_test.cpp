@@ -45,10 +45,10 @@ std::vector<std::uint8_t> patches() {
   return cells;
 }
 
-struct Site {
+struct GroundLooksSite {
   Scene scene;
 
-  explicit Site(bool changeable) {
+  explicit GroundLooksSite(bool changeable) {
     const auto terrain = scene.add_terrain(waves(), surface("ground"));
     scene.cover_terrain(terrain, kLabels, patches());
     if (changeable) {
@@ -133,7 +133,7 @@ std::size_t soil(const std::vector<std::uint8_t>& cells, const std::vector<bool>
 }
 
 TEST(GroundLooks, EachPointHasTheSoilOfItsRules) {
-  const Site site(true);
+  const GroundLooksSite site(true);
   const Scene::Internals& in = site.scene.internals();
   GroundLooks ground;
   ground.prepare(in, in.terrains.front());
@@ -213,8 +213,8 @@ TEST(GroundLooks, EachPointHasTheSoilOfItsRules) {
 }
 
 TEST(GroundLooks, GroundThatCanBeDugLooksAsGroundThatCannot) {
-  const Site whole(false);
-  const Site tiled(true);
+  const GroundLooksSite whole(false);
+  const GroundLooksSite tiled(true);
   CameraParameters parameters = small_camera();
   parameters.looks = {{.label = "sand", .kind = SurfaceKind::rock}};
   CameraRenderer renderer(parameters, 1, "camera");

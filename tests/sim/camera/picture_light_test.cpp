@@ -13,7 +13,7 @@ namespace {
 using namespace camera_test;
 
 /// Straight down from `height_m`; the picture's top is north, its right east.
-Eigen::Isometry3d looking_down(double height_m) {
+Eigen::Isometry3d picture_light_looking_down(double height_m) {
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   X.translation() << 0.0, 0.0, height_m;
   X.linear() << 0.0, -1.0, 0.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0;
@@ -29,7 +29,7 @@ TEST(PictureLight, LevelGroundSendsBackItsAlbedo) {
   CameraRenderer camera(parameters, 1, "camera");
   RenderedPicture picture;
   // From high up, where grain of less than a pixel is even.
-  camera.render(scene, job_for(parameters, looking_down(60.0), light), picture);
+  camera.render(scene, job_for(parameters, picture_light_looking_down(60.0), light), picture);
   const double seen = mean_luminance(picture, 40, 30, 120, 90);
   // Paint is blended from two tints, 1 and 0.89 of it, and has a coat.
   const double lambert = 0.945 * 0.3 / std::numbers::pi * static_cast<double>(light.total_lx().y());
@@ -48,7 +48,7 @@ TEST(PictureLight, ShadowsLieWhereTheSunPutsThem) {
   CameraRenderer camera(parameters, 1, "camera");
   RenderedPicture picture;
   const double height = 60.0;
-  camera.render(scene, job_for(parameters, looking_down(height), light), picture);
+  camera.render(scene, job_for(parameters, picture_light_looking_down(height), light), picture);
   const double per_m = 160.0 / height;
   const auto at_ground = [&](double east, double north) {
     return luminance_at(picture, static_cast<int>(std::lround(79.5 + per_m * east)),
@@ -89,7 +89,7 @@ TEST(PictureLight, LeavesLetTheSunThroughTheirGaps) {
   CameraRenderer camera(parameters, 1, "camera");
   RenderedPicture picture;
   // From below the leaves.
-  camera.render(scene, job_for(parameters, looking_down(4.0), light), picture);
+  camera.render(scene, job_for(parameters, picture_light_looking_down(4.0), light), picture);
   const float most = *std::ranges::max_element(picture.luminance);
   int lit = 0;
   int all = 0;
@@ -167,7 +167,7 @@ TEST(PictureLight, RainDarkensGround) {
   const Daylight light({.cloud_cover = 1.0}, sun_at(40.0, 180.0));
   CameraParameters parameters = small_camera();
   CameraRenderer camera(parameters, 1, "camera");
-  PictureJob job = job_for(parameters, looking_down(5.0), light);
+  PictureJob job = job_for(parameters, picture_light_looking_down(5.0), light);
   RenderedPicture picture;
   camera.render(scene, job, picture);
   const double dry = mean_luminance(picture, 0, 0, 160, 120);
@@ -191,7 +191,7 @@ double pixel_contrast(const char* label, double height_m) {
   CameraParameters parameters = small_camera(160.0);
   CameraRenderer camera(parameters, 1, "camera");
   RenderedPicture picture;
-  camera.render(scene, job_for(parameters, looking_down(height_m), light), picture);
+  camera.render(scene, job_for(parameters, picture_light_looking_down(height_m), light), picture);
   double squares = 0.0;
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x + 1 < picture.width; ++x) {
@@ -225,7 +225,7 @@ TEST(PictureLight, PatternsLieInTheWorldAndOnBodies) {
     X_WB.translation() += shift;
     const std::vector<BodyMotion> motions{{X_WB, X_WB}};
     scene.begin_slice(kStart, kStart + 100ms, focus_W, motions);
-    Eigen::Isometry3d X_WS = looking_down(6.0);
+    Eigen::Isometry3d X_WS = picture_light_looking_down(6.0);
     X_WS.translation() += shift;
     RenderedPicture picture;
     camera.render(scene, job_for(parameters, X_WS, light), picture);
@@ -274,7 +274,7 @@ TEST(SkyVisibility, FallsAtTheFootOfWallsAndInTheWoods) {
   CameraRenderer lattice(parameters, 1, "camera");
   parameters.sky_rays = 32;
   CameraRenderer rays(parameters, 1, "camera");
-  Eigen::Isometry3d X_WS = looking_down(6.0);
+  Eigen::Isometry3d X_WS = picture_light_looking_down(6.0);
   X_WS.translation() += Eigen::Vector3d(7.0, 0.0, 0.0);
   PictureJob job = job_for(parameters, X_WS, light);
   job.sky = &sky;

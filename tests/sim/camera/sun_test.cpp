@@ -1,16 +1,14 @@
 #include "sim/camera/sun.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 namespace rigwire::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // I. Reda, A. Andreas, "Solar position algorithm for solar radiation applications", NREL/TP-560-
 // 34302, 2008, table A5.1: Golden, 2003-10-17 12:30:30 at UTC - 7 h.

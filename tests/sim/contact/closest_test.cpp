@@ -1,9 +1,9 @@
 #include "sim/contact/closest.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "allocation_counter.h"
@@ -14,7 +14,6 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 using Pose = Eigen::Isometry3d;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 Pose at(const Vector& place, const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity()) {
   Pose X = Pose::Identity();
@@ -232,13 +231,13 @@ TEST(Closest, AllocatesNothing) {
   const ConvexShape trunk = ConvexShape::cylinder(0.2, 5.0);
   const PlacedShape b{&trunk, Pose::Identity()};
   double sum = 0.0;
-  const std::uint64_t before = test::allocations();
+  const std::uint64_t before = rigwire::test::allocations();
   for (int i = 0; i < 100; ++i) {
     const PlacedShape a{&wheel, at({0.74 - 1e-3 * i, 0.0, 0.3}, about(Vector::UnitX(), 80.0))};
     const auto found = closest(a, b, 0.1);
     sum += found ? found->gap_m : 1.0;
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(rigwire::test::allocations(), before);
   EXPECT_NE(sum, 0.0);
 }
 

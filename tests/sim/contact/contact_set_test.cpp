@@ -1,5 +1,6 @@
 // The law of contact on one free body: drops, slides, rolls, rests, impacts, trunks that give way.
 #include "sim/contact/contact_set.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -16,8 +17,6 @@ namespace rigwire::sim {
 namespace {
 
 using Vector = Eigen::Vector3d;
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kGravity_mps2 = 9.80665;
 
 Vector box_inertia(double mass_kg, const Vector& half) {
   const Vector squares = half.cwiseProduct(half);
@@ -315,7 +314,7 @@ TEST(ContactSet, ATrunkThatLiesIsFeltByWhoComesLater) {
       truck.step(1e-3);
     }
   };
-  const auto allocated = test::allocations();
+  const auto allocated = rigwire::test::allocations();
   truck.push_W.x() = 60e3;
   for (int i = 0; i < 6000 && truck.contact().report().felled == 0; ++i) {
     truck.step(1e-3);
@@ -332,7 +331,7 @@ TEST(ContactSet, ATrunkThatLiesIsFeltByWhoComesLater) {
   EXPECT_TRUE(truck.contact().leaning().front().solid);
   const double before_j = truck.contact().report().lost_j;
   drive({0.0, 3.0, 0.0}, 3.0);
-  EXPECT_EQ(test::allocations(), allocated);
+  EXPECT_EQ(rigwire::test::allocations(), allocated);
   const double flank_m = truck.X_WB.translation().y() + half.y();
   EXPECT_LT(flank_m, -0.2) << "it stopped at the trunk's side, or came back";
   EXPECT_LT(truck.v_W.y(), 0.5);
@@ -353,11 +352,11 @@ TEST(ContactSet, NothingNearCostsNothingAndAllocatesNothing) {
   truck.X_WB.translation() << -28.5, -28.5, 1.0;
   truck.v_W << 5.0, 2.0, 0.0;
   truck.step(1e-3);
-  const std::uint64_t before = test::allocations();
+  const std::uint64_t before = rigwire::test::allocations();
   for (int i = 0; i < 5000; ++i) {
     truck.step(1e-3);
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(rigwire::test::allocations(), before);
   EXPECT_GT(truck.contact().report().touches, 0U);
   EXPECT_EQ(truck.contact().dropped(), 0U);
 }

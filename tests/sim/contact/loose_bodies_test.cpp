@@ -1,13 +1,13 @@
 // Rocks and crates that lie loose: they fall, slide, stack, rest, are pushed, and never gain
 // energy.
 #include "sim/contact/loose_bodies.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -19,8 +19,6 @@ namespace rigwire::sim {
 namespace {
 
 using Vector = Eigen::Vector3d;
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kGravity_mps2 = 9.80665;
 
 SoilParameters rough(double friction) {
   SoilParameters soil;

@@ -1,15 +1,11 @@
 // What soil carries, against the tables of the textbooks.
 #include "sim/contact/soil_bearing.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 namespace rigwire::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kGravity_mps2 = 9.80665;
 
 SoilParameters soil(double cohesion_pa, double friction_rad) {
   SoilParameters parameters;

@@ -10,9 +10,9 @@ namespace rigwire::sim {
 namespace {
 
 /// Wheel and a quarter of 1 t at 0.33 m.
-constexpr double kVehicleInertia_kgm2 = 2.0 + 250.0 * 0.33 * 0.33;
+constexpr double kCvtDrivelineVehicleInertia_kgm2 = 2.0 + 250.0 * 0.33 * 0.33;
 
-VehicleCommand drive(int gear, double share) {
+VehicleCommand cvt_driveline_drive(int gear, double share) {
   VehicleCommand command;
   command.gear = gear;
   command.engine_torque_share = share;
@@ -28,19 +28,19 @@ VehicleSample read(const Driveline& driveline) {
 
 TEST(BeltVariator, OverallRatioGoesFrom40InLowToSevenPointSixInHigh) {
   CvtDriveline driveline{CvtParameters{}};
-  test::SpinBench bench(driveline, kVehicleInertia_kgm2);
-  driveline.command(drive(1, 0.0));
+  test::SpinBench bench(driveline, kCvtDrivelineVehicleInertia_kgm2);
+  driveline.command(cvt_driveline_drive(1, 0.0));
   for (int i = 0; i < 500; ++i) {
     bench.step(0.001);
   }
   EXPECT_NEAR(driveline.overall_ratio(), 40.0, 1e-9);
   EXPECT_EQ(bench.rates.norm(), 0.0);  // the centrifugal clutch is open at idle
 
-  driveline.command(drive(2, 0.0));
+  driveline.command(cvt_driveline_drive(2, 0.0));
   for (int i = 0; i < 500; ++i) {
     bench.step(0.001);
   }
-  driveline.command(drive(2, 1.0));
+  driveline.command(cvt_driveline_drive(2, 1.0));
   bench.load_nm.setConstant(5.0);
   for (int i = 0; i < 20000; ++i) {
     bench.step(0.001);
@@ -58,11 +58,11 @@ TEST(BeltVariator, TopSpeedIsReachedWhereTheTopRatioMeetsRatedSpeed) {
 TEST(BeltVariator, EnergyBalanceHoldsWhileTheRatioMoves) {
   const CvtParameters p;
   CvtDriveline driveline{p};
-  test::SpinBench bench(driveline, kVehicleInertia_kgm2);
+  test::SpinBench bench(driveline, kCvtDrivelineVehicleInertia_kgm2);
   const double h = 0.001;
   for (int i = 0; i < 15000; ++i) {
     bench.load_nm.setConstant(i < 400 ? 0.0 : 10.0);  // the front axle is in by then, at rest
-    driveline.command(drive(2, i < 300 ? 0.0 : i < 9000 ? 1.0 : 0.0));
+    driveline.command(cvt_driveline_drive(2, i < 300 ? 0.0 : i < 9000 ? 1.0 : 0.0));
     bench.step(h);
   }
   const DrivelineEnergy energy = driveline.energy();
@@ -79,14 +79,14 @@ TEST(BeltVariator, EnergyBalanceHoldsWhileTheRatioMoves) {
 
 TEST(BeltVariator, RangesChangeAtRestWithTheEngineIdlingOnly) {
   CvtDriveline driveline{CvtParameters{}};
-  test::SpinBench bench(driveline, kVehicleInertia_kgm2);
-  driveline.command(drive(1, 0.5));
+  test::SpinBench bench(driveline, kCvtDrivelineVehicleInertia_kgm2);
+  driveline.command(cvt_driveline_drive(1, 0.5));
   for (int i = 0; i < 4000; ++i) {
     bench.step(0.001);
   }
   ASSERT_GT(bench.rates.mean(), 1.0);
   for (const int gear : {2, -1}) {
-    driveline.command(drive(gear, 0.5));
+    driveline.command(cvt_driveline_drive(gear, 0.5));
     for (int i = 0; i < 1000; ++i) {
       bench.step(0.001);
     }
@@ -94,14 +94,14 @@ TEST(BeltVariator, RangesChangeAtRestWithTheEngineIdlingOnly) {
     EXPECT_EQ(read(driveline).gear_requested, gear);
     EXPECT_TRUE(read(driveline).shifting);
   }
-  driveline.command(drive(-1, 0.0));
+  driveline.command(cvt_driveline_drive(-1, 0.0));
   bench.grip_nm.setConstant(300.0);
   for (int i = 0; i < 6000; ++i) {
     bench.step(0.001);
   }
   EXPECT_EQ(read(driveline).gear, -1);
   bench.grip_nm.setZero();
-  driveline.command(drive(-1, 1.0));
+  driveline.command(cvt_driveline_drive(-1, 1.0));
   for (int i = 0; i < 2000; ++i) {
     bench.step(0.001);
   }
@@ -111,9 +111,9 @@ TEST(BeltVariator, RangesChangeAtRestWithTheEngineIdlingOnly) {
 
 TEST(BeltVariator, FrontAxleTurnsWithTheRearWhenSwitchedIn) {
   CvtDriveline driveline{CvtParameters{}};
-  test::SpinBench bench(driveline, kVehicleInertia_kgm2);
+  test::SpinBench bench(driveline, kCvtDrivelineVehicleInertia_kgm2);
   for (int i = 0; i < 3000; ++i) {
-    driveline.command(drive(1, i < 400 ? 0.0 : 1.0));
+    driveline.command(cvt_driveline_drive(1, i < 400 ? 0.0 : 1.0));
     bench.step(0.001);
     if (i == 400) {
       bench.load_nm << 20.0, 5.0, 5.0, 5.0;

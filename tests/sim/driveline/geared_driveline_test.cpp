@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// Wheel and a quarter of 9 t at 0.565 m.
-constexpr double kVehicleInertia_kgm2 = 33.0 + 2250.0 * 0.565 * 0.565;
+constexpr double kGearedDrivelineVehicleInertia_kgm2 = 33.0 + 2250.0 * 0.565 * 0.565;
 
-VehicleCommand drive(int gear, double share = 1.0, bool crawler = false) {
+VehicleCommand geared_drive(int gear, double share = 1.0, bool crawler = false) {
   VehicleCommand command;
   command.gear = gear;
   command.engine_torque_share = share;
@@ -24,7 +24,7 @@ VehicleCommand drive(int gear, double share = 1.0, bool crawler = false) {
   return command;
 }
 
-VehicleSample read(const Driveline& driveline) {
+VehicleSample geared_driveline_read(const Driveline& driveline) {
   VehicleSample sample;
   driveline.read(sample);
   return sample;
@@ -37,8 +37,8 @@ void checked_step(GearedDriveline& driveline, test::SpinBench& bench, double h) 
   bench.step(h);
   const double ratio = driveline.overall_ratio();
   const GearedParameters p;
-  const double torque_nm = read(driveline).engine.torque_nm;
-  const double wheels = kVehicleInertia_kgm2 * (bench.rates - rates).sum() +
+  const double torque_nm = geared_driveline_read(driveline).engine.torque_nm;
+  const double wheels = kGearedDrivelineVehicleInertia_kgm2 * (bench.rates - rates).sum() +
                         h * (bench.load_nm.sum() + bench.viscous_nmsprad * bench.rates.sum());
   const double output = p.axles.ratio() * bench.rates.mean();
   const double shafts = p.axles.ratio() * (p.axles.output_inertia_kgm2 * p.axles.ratio() *
@@ -51,27 +51,28 @@ void checked_step(GearedDriveline& driveline, test::SpinBench& bench, double h) 
               1e-9 * (1.0 + std::abs(ratio) * p.engine.inertia_kgm2 * 250.0));
   ASSERT_GE(driveline.engine_speed_radps(), 0.6 * p.engine.idle_radps);
   // No jump beyond what the clutch's capacity can do in a step.
-  const double most = (std::abs(ratio) * 1400.0 + 4.0 * 5000.0) / (4.0 * kVehicleInertia_kgm2);
+  const double most =
+      (std::abs(ratio) * 1400.0 + 4.0 * 5000.0) / (4.0 * kGearedDrivelineVehicleInertia_kgm2);
   ASSERT_LE((bench.rates - rates).cwiseAbs().maxCoeff(), 1.01 * h * most);
 }
 
 TEST(GearShift, AllFourteenGearsUpAndDownUnderLoad) {
   GearedDriveline driveline{GearedParameters{}};
-  test::SpinBench bench(driveline, kVehicleInertia_kgm2);
+  test::SpinBench bench(driveline, kGearedDrivelineVehicleInertia_kgm2);
   const double h = 0.002;
   bench.load_nm.setConstant(150.0);
   const auto run = [&](int gear, double share, double until_radps, bool rising) {
-    driveline.command(drive(gear, share));
+    driveline.command(geared_drive(gear, share));
     for (int i = 0; i < 60000; ++i) {
       ASSERT_NO_FATAL_FAILURE(checked_step(driveline, bench, h));
-      const VehicleSample sample = read(driveline);
+      const VehicleSample sample = geared_driveline_read(driveline);
       const bool there = rising ? sample.engine.speed_radps >= until_radps
                                 : sample.engine.speed_radps <= until_radps;
       if (sample.gear == gear && !sample.shifting && sample.driveline_engaged && there) {
         break;
       }
     }
-    const VehicleSample sample = read(driveline);
+    const VehicleSample sample = geared_driveline_read(driveline);
     ASSERT_EQ(sample.gear, gear);
     ASSERT_TRUE(sample.driveline_engaged);
     const double steps = std::abs(gear);
@@ -90,7 +91,7 @@ TEST(GearShift, AllFourteenGearsUpAndDownUnderLoad) {
   // Stop, then backwards.
   bench.load_nm.setZero();
   bench.viscous_nmsprad = 2000.0;
-  driveline.command(drive(0, 0.0));
+  driveline.command(geared_drive(0, 0.0));
   for (int i = 0; i < 4000; ++i) {
     bench.step(h);
   }
@@ -108,8 +109,8 @@ TEST(GearShift, AllFourteenGearsUpAndDownUnderLoad) {
 
 TEST(GearShift, CrawlerGroupTurnsTheWheelsOnceIn5808TurnsAndHoldsUnderLoad) {
   GearedDriveline driveline{GearedParameters{}};
-  test::SpinBench bench(driveline, kVehicleInertia_kgm2);
-  VehicleCommand command = drive(1, 0.0, true);
+  test::SpinBench bench(driveline, kGearedDrivelineVehicleInertia_kgm2);
+  VehicleCommand command = geared_drive(1, 0.0, true);
   command.engine_control = EngineControl::speed;
   command.engine_speed_radps = rpm(2200);
   driveline.command(command);
@@ -119,7 +120,7 @@ TEST(GearShift, CrawlerGroupTurnsTheWheelsOnceIn5808TurnsAndHoldsUnderLoad) {
       bench.load_nm.setConstant(5000.0);
     }
   }
-  const VehicleSample sample = read(driveline);
+  const VehicleSample sample = geared_driveline_read(driveline);
   EXPECT_TRUE(sample.crawler_group);
   EXPECT_TRUE(sample.driveline_engaged);
   EXPECT_NEAR(driveline.overall_ratio() / (5.2 * std::pow(1.44, 7) * 87.0), 1.0, 1e-12);
@@ -132,85 +133,85 @@ TEST(GearShift, CrawlerGroupTurnsTheWheelsOnceIn5808TurnsAndHoldsUnderLoad) {
 
 TEST(GearShift, CrawlerGroupWaitsForStandstill) {
   GearedDriveline driveline{GearedParameters{}};
-  test::SpinBench bench(driveline, kVehicleInertia_kgm2);
+  test::SpinBench bench(driveline, kGearedDrivelineVehicleInertia_kgm2);
   bench.rates.setConstant(2.0);
-  driveline.command(drive(1, 0.3));
+  driveline.command(geared_drive(1, 0.3));
   for (int i = 0; i < 3000; ++i) {
     bench.step(0.001);
   }
-  ASSERT_EQ(read(driveline).gear, 1);
-  driveline.command(drive(1, 0.3, true));
+  ASSERT_EQ(geared_driveline_read(driveline).gear, 1);
+  driveline.command(geared_drive(1, 0.3, true));
   for (int i = 0; i < 3000; ++i) {
     bench.step(0.001);
   }
-  EXPECT_FALSE(read(driveline).crawler_group);
-  EXPECT_FALSE(read(driveline).shifting);
-  driveline.command(drive(0, 0.0, true));
+  EXPECT_FALSE(geared_driveline_read(driveline).crawler_group);
+  EXPECT_FALSE(geared_driveline_read(driveline).shifting);
+  driveline.command(geared_drive(0, 0.0, true));
   bench.viscous_nmsprad = 4000.0;
   for (int i = 0; i < 6000; ++i) {
     bench.step(0.001);
   }
-  EXPECT_TRUE(read(driveline).crawler_group);
+  EXPECT_TRUE(geared_driveline_read(driveline).crawler_group);
 }
 
 TEST(GearShift, AGearThatWouldOverspeedTheEngineWaits) {
   GearedDriveline driveline{GearedParameters{}};
-  test::SpinBench bench(driveline, kVehicleInertia_kgm2);
+  test::SpinBench bench(driveline, kGearedDrivelineVehicleInertia_kgm2);
   bench.rates.setConstant(30.0);
-  driveline.command(drive(8, 0.5));
+  driveline.command(geared_drive(8, 0.5));
   for (int i = 0; i < 2000; ++i) {
     bench.step(0.001);
   }
-  ASSERT_EQ(read(driveline).gear, 8);
-  driveline.command(drive(2, 0.0));
+  ASSERT_EQ(geared_driveline_read(driveline).gear, 8);
+  driveline.command(geared_drive(2, 0.0));
   for (int i = 0; i < 2000; ++i) {
     bench.step(0.001);
   }
-  EXPECT_EQ(read(driveline).gear, 8);
-  EXPECT_EQ(read(driveline).gear_requested, 2);
-  driveline.command(drive(-1, 0.0));
+  EXPECT_EQ(geared_driveline_read(driveline).gear, 8);
+  EXPECT_EQ(geared_driveline_read(driveline).gear_requested, 2);
+  driveline.command(geared_drive(-1, 0.0));
   for (int i = 0; i < 2000; ++i) {
     bench.step(0.001);
   }
-  EXPECT_EQ(read(driveline).gear, 8);
+  EXPECT_EQ(geared_driveline_read(driveline).gear, 8);
 }
 
 TEST(GearShift, TakesItsTimesWhateverTheStep) {
   for (const double h : {0.0005, 0.001, 0.005, 0.01}) {
     GearedDriveline driveline{GearedParameters{}};
-    test::SpinBench bench(driveline, kVehicleInertia_kgm2);
+    test::SpinBench bench(driveline, kGearedDrivelineVehicleInertia_kgm2);
     bench.rates.setConstant(8.0);
-    driveline.command(drive(4, 0.5));
+    driveline.command(geared_drive(4, 0.5));
     for (int i = 0; i < std::lround(2.0 / h); ++i) {
       bench.step(h);
     }
-    ASSERT_EQ(read(driveline).gear, 4);
-    driveline.command(drive(5, 0.5));
+    ASSERT_EQ(geared_driveline_read(driveline).gear, 4);
+    driveline.command(geared_drive(5, 0.5));
     int steps = 0;
     do {
       bench.step(h);
       ++steps;
-    } while (read(driveline).shifting);
+    } while (geared_driveline_read(driveline).shifting);
     EXPECT_NEAR(steps * h, 0.8, 1.01 * h) << h;
   }
 }
 
 TEST(BadCommand, AGearThatDoesNotExistIsReportedAndNotEngaged) {
   GearedDriveline driveline{GearedParameters{}};
-  test::SpinBench bench(driveline, kVehicleInertia_kgm2);
-  driveline.command(drive(2, 0.2));
+  test::SpinBench bench(driveline, kGearedDrivelineVehicleInertia_kgm2);
+  driveline.command(geared_drive(2, 0.2));
   for (int i = 0; i < 2000; ++i) {
     bench.step(0.001);
   }
   for (const int gear :
        {9, -7, 125, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()}) {
-    driveline.command(drive(gear, 0.2));
+    driveline.command(geared_drive(gear, 0.2));
     for (int i = 0; i < 100; ++i) {
       bench.step(0.001);
     }
-    EXPECT_EQ(read(driveline).gear, 2);
-    EXPECT_EQ(read(driveline).gear_requested, gear);
-    EXPECT_FALSE(read(driveline).shifting);
+    EXPECT_EQ(geared_driveline_read(driveline).gear, 2);
+    EXPECT_EQ(geared_driveline_read(driveline).gear_requested, gear);
+    EXPECT_FALSE(geared_driveline_read(driveline).shifting);
   }
   GearedParameters without_crawler;
   without_crawler.gearbox.crawler_factor = 0.0;
@@ -222,11 +223,11 @@ TEST(BadCommand, AGearThatDoesNotExistIsReportedAndNotEngaged) {
 TEST(BadCommand, WhatIsNoNumberKeepsTheOldValueAndAbsurdOnesAreClamped) {
   GearedDriveline driveline{GearedParameters{}};
   GearedDriveline twin{GearedParameters{}};
-  test::SpinBench bench(driveline, kVehicleInertia_kgm2);
-  test::SpinBench twin_bench(twin, kVehicleInertia_kgm2);
+  test::SpinBench bench(driveline, kGearedDrivelineVehicleInertia_kgm2);
+  test::SpinBench twin_bench(twin, kGearedDrivelineVehicleInertia_kgm2);
   for (int i = 0; i < 6000; ++i) {
-    VehicleCommand bad = drive(1, i % 2 == 0 ? 1e300 : 1.0);
-    VehicleCommand good = drive(1, 1.0);
+    VehicleCommand bad = geared_drive(1, i % 2 == 0 ? 1e300 : 1.0);
+    VehicleCommand good = geared_drive(1, 1.0);
     if (i > 0 && i % 3 == 0) {
       bad.engine_torque_share = kNan;
       bad.engine_speed_radps = kNan;
@@ -247,7 +248,7 @@ TEST(BadCommand, WhatIsNoNumberKeepsTheOldValueAndAbsurdOnesAreClamped) {
 
 TEST(BadCommand, RatesThatAreNoNumbersLeaveTheEngineFinite) {
   GearedDriveline driveline{GearedParameters{}};
-  driveline.command(drive(1, 1.0));
+  driveline.command(geared_drive(1, 1.0));
   WheelVector rates = WheelVector::Constant(kNan);
   for (int i = 0; i < 100; ++i) {
     driveline.begin(0.001, 33.0, rates);
@@ -265,7 +266,7 @@ TEST(BadCommand, RatesThatAreNoNumbersLeaveTheEngineFinite) {
 
 TEST(BadCommand, AStepWithoutDurationChangesNothing) {
   GearedDriveline driveline{GearedParameters{}};
-  driveline.command(drive(3, 1.0));
+  driveline.command(geared_drive(3, 1.0));
   WheelVector rates = WheelVector::Constant(3.0);
   const SpinEquations before = driveline.equations();
   for (const double h : {0.0, -1.0, kNan}) {
@@ -274,8 +275,8 @@ TEST(BadCommand, AStepWithoutDurationChangesNothing) {
     driveline.finish(h, rates);
   }
   EXPECT_EQ(driveline.equations().torque_nm, before.torque_nm);
-  EXPECT_EQ(read(driveline).engine.speed_radps, rpm(700));
-  EXPECT_EQ(read(driveline).gear, 0);
+  EXPECT_EQ(geared_driveline_read(driveline).engine.speed_radps, rpm(700));
+  EXPECT_EQ(geared_driveline_read(driveline).gear, 0);
 }
 
 TEST(DrivelineCost, AStepDoesNotAllocate) {
@@ -284,9 +285,9 @@ TEST(DrivelineCost, AStepDoesNotAllocate) {
     const std::unique_ptr<Driveline> driveline = make_driveline(parameters);
     WheelVector rates = WheelVector::Constant(0.1);
     VehicleSample sample;
-    const auto before = test::allocations();
+    const auto before = rigwire::test::allocations();
     for (int i = 0; i < 5000; ++i) {
-      VehicleCommand command = drive(1 + i / 1500, 1.0);
+      VehicleCommand command = geared_drive(1 + i / 1500, 1.0);
       command.lock = {i % 900 > 400, i % 700 > 300, i % 500 > 200};
       driveline->command(command);
       driveline->begin(0.001, 33.0, rates);
@@ -296,7 +297,7 @@ TEST(DrivelineCost, AStepDoesNotAllocate) {
       driveline->finish(0.001, rates);
       driveline->read(sample);
     }
-    EXPECT_EQ(test::allocations(), before);
+    EXPECT_EQ(rigwire::test::allocations(), before);
     EXPECT_TRUE(std::isfinite(sample.engine.speed_radps));
   }
 }

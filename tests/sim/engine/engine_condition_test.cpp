@@ -10,9 +10,9 @@ namespace {
 
 EngineSample after(EngineCondition& condition, double seconds, double speed_radps,
                    double indicated_nm, double load_share = 0.5) {
-  constexpr double kStep_s = 0.1;
-  for (int i = 0; i < std::lround(seconds / kStep_s); ++i) {
-    condition.step(kStep_s, speed_radps, indicated_nm, load_share);
+  constexpr double kEngineConditionStep_s = 0.1;
+  for (int i = 0; i < std::lround(seconds / kEngineConditionStep_s); ++i) {
+    condition.step(kEngineConditionStep_s, speed_radps, indicated_nm, load_share);
   }
   EngineSample sample;
   condition.read(sample);

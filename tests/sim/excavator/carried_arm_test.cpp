@@ -252,7 +252,7 @@ TEST(CarriedArm, EveryLevelWithForcesStaysSoundAndAllocatesNothing) {
     ExcavatorParameters parameters = moving();
     parameters.level = level;
     Excavator machine(parameters, Eigen::Isometry3d::Identity(), &ground);
-    const auto before = test::allocations();
+    const auto before = rigwire::test::allocations();
     for (int i = 0; i < 300; ++i) {
       ValveCommand command;
       const double sign = i % 100 < 50 ? 1.0 : -1.0;
@@ -261,7 +261,7 @@ TEST(CarriedArm, EveryLevelWithForcesStaysSoundAndAllocatesNothing) {
       machine.set_bucket_resistance({.gain_nspm = 1e6, .limit_n = 3e4});
       machine.step(milliseconds(10));
     }
-    EXPECT_EQ(test::allocations(), before);
+    EXPECT_EQ(rigwire::test::allocations(), before);
     EXPECT_TRUE(machine.finite());
     EXPECT_LT(machine.link(Link::undercarriage).X_WL.translation().norm(), 3.0);
     EXPECT_GT(machine.link(Link::undercarriage).X_WL.linear()(2, 2), 0.9);

@@ -291,8 +291,8 @@ TEST(DigCycle, OnAMovingCarrierTheMachineRocksAndNothingIsLost) {
   const double before = pitch();
   double least = before;
   double greatest = before;
-  const auto work = [&](double seconds, double boom, double stick, double bucket) {
-    for (int i = 0; i < std::lround(seconds * 10.0); ++i) {
+  const auto work = [&](double dig_cycle_seconds, double boom, double stick, double bucket) {
+    for (int i = 0; i < std::lround(dig_cycle_seconds * 10.0); ++i) {
       site.run(0.1, 0.0, boom, stick, bucket);
       least = std::min(least, pitch());
       greatest = std::max(greatest, pitch());

@@ -10,9 +10,9 @@ namespace rigwire::sim {
 namespace {
 
 TEST(ExcavatorCost, TheCounterSeesAnAllocation) {
-  const auto before = test::allocations();
+  const auto before = rigwire::test::allocations();
   const std::vector<int> numbers(10);
-  EXPECT_EQ(test::allocations(), before + 1);
+  EXPECT_EQ(rigwire::test::allocations(), before + 1);
   EXPECT_EQ(numbers.size(), 10u);
 }
 
@@ -21,7 +21,7 @@ TEST(ExcavatorCost, SteppingCommandingAndSamplingDoNotAllocate) {
   ValveCommand command;
   command.opening = {0.4, 1.0, 1.0, -1.0};
   double sum = 0.0;
-  const auto before = test::allocations();
+  const auto before = rigwire::test::allocations();
   for (int i = 0; i < 2000; ++i) {
     command.floating[1] = i % 300 > 250;
     machine.command(command);
@@ -30,7 +30,7 @@ TEST(ExcavatorCost, SteppingCommandingAndSamplingDoNotAllocate) {
     sum += machine.valve_sample(machine.time()).supply_pressure_pa;
     sum += machine.link(Link::bucket).a_WL_W.x();
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(rigwire::test::allocations(), before);
   EXPECT_TRUE(std::isfinite(sum));
 }
 

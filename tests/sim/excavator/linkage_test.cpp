@@ -1,9 +1,9 @@
 #include "sim/excavator/linkage.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "bench/published_arm.h"
 
@@ -11,8 +11,6 @@ namespace rigwire::sim {
 namespace {
 
 using namespace bench;  // published_arm.h
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 TEST(Linkage, AnglesAtTheStrokeEndsAreTheResearchTables) {
   const Linkages linkages(published_set());

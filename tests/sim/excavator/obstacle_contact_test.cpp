@@ -8,6 +8,7 @@
 #include "../contact/free_body.h"
 #include "allocation_counter.h"
 #include "digging_site.h"
+#include "fields/constants.h"
 #include "sim/contact/loose_bodies.h"
 #include "sim/random.h"
 
@@ -15,7 +16,6 @@ namespace rigwire::sim::test {
 namespace {
 
 using Vector = Eigen::Vector3d;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Swing {
   double fastest_before_mps = 0.0;  ///< Of the tip, until it first touched.

@@ -15,9 +15,9 @@ struct Running {
   explicit Running(const PowerUnitParameters& of = {}) : parameters(of), unit(of, supply) {}
 
   /// The valves take that much; returns the least speed on the way.
-  double run(double seconds, double flow_m3ps, double pressure_pa) {
+  double run(double power_unit_seconds, double flow_m3ps, double pressure_pa) {
     double least = unit.speed_radps();
-    for (int i = 0; i < static_cast<int>(std::lround(seconds / kStep_s)); ++i) {
+    for (int i = 0; i < static_cast<int>(std::lround(power_unit_seconds / kStep_s)); ++i) {
       unit.step(kStep_s, flow_m3ps, pressure_pa);
       least = std::min(least, unit.speed_radps());
     }
@@ -25,9 +25,9 @@ struct Running {
   }
 
   /// The same with all that the pump controller lets the valves have.
-  double take_all(double seconds, double pressure_pa) {
+  double take_all(double power_unit_seconds, double pressure_pa) {
     double least = unit.speed_radps();
-    for (int i = 0; i < static_cast<int>(std::lround(seconds / kStep_s)); ++i) {
+    for (int i = 0; i < static_cast<int>(std::lround(power_unit_seconds / kStep_s)); ++i) {
       const SupplyParameters& now = unit.supply();
       unit.step(kStep_s,
                 std::min(now.pump_flow_m3ps, now.power_limit_w * now.efficiency / pressure_pa),

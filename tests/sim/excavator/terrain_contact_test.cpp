@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "digging_site.h"
+#include "fields/constants.h"
 #include "sim/contact/soil_bearing.h"
 
 namespace rigwire::sim::test {
 namespace {
 
 using Vector = Eigen::Vector3d;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Level hard ground with a bank of 3 m beside the machine's rear: its face from y = -1.6 to -1.8
 /// m.

@@ -260,7 +260,7 @@ TEST(TrackTravel, BothTracksAgainstEachOtherAtFullStaySoundAndAllocateNothing) {
       p.level = level;
       p.step_s = step_ms * 1e-3;
       Excavator machine(p, Eigen::Isometry3d::Identity(), &ground);
-      const auto before = test::allocations();
+      const auto before = rigwire::test::allocations();
       for (int i = 0; i < 300; ++i) {
         const double sign = i % 100 < 50 ? 1.0 : -1.0;
         ValveCommand command = travel(sign, -sign);
@@ -270,7 +270,7 @@ TEST(TrackTravel, BothTracksAgainstEachOtherAtFullStaySoundAndAllocateNothing) {
         machine.command(command);
         machine.step(milliseconds(20));
       }
-      EXPECT_EQ(test::allocations(), before);
+      EXPECT_EQ(rigwire::test::allocations(), before);
       ASSERT_TRUE(machine.finite()) << static_cast<int>(level);
       EXPECT_LT(place(machine).norm(), 1.5) << static_cast<int>(level) << " " << step_ms;
       EXPECT_GT(machine.link(Link::undercarriage).X_WL.linear()(2, 2), 0.95);

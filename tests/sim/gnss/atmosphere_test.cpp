@@ -1,15 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "fields/constants.h"
 #include "sim/gnss/nominal_slots.h"
 #include "sim/gnss/signal_path.h"
 
 namespace rigwire::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 TEST(KlobucharTest, GivesThePublishedWorkedExample) {
   // 40 N, 100 W, elevation 20, azimuth 210, time of week 593 100 s: 23.784 m on L1.

@@ -1,11 +1,11 @@
 #include "sim/gnss/constellation.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -18,8 +18,7 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kConstellationSecond_ns = 1'000'000'000;
 constexpr std::array kGps{GnssSystem::gps};
 
 double median(std::vector<double> values) {
@@ -50,7 +49,7 @@ SkyStatistics sky(const Constellation& constellation, double latitude_deg, doubl
   for (std::int64_t t = 0; t < 86'400; t += 300) {
     std::vector<Eigen::Vector3d> directions_W;
     for (std::size_t i = 0; i < constellation.satellites().size(); ++i) {
-      const SatelliteState state = constellation.state(i, {2421, t * kSecond_ns}, 0.0);
+      const SatelliteState state = constellation.state(i, {2421, t * kConstellationSecond_ns}, 0.0);
       const Eigen::Vector3d e = (frame.world_from_ecef() * (state.position_E_m - p_E)).normalized();
       if (e.z() > std::sin(mask_deg * kDegree)) {
         directions_W.push_back(e);
@@ -146,22 +145,23 @@ TEST(NominalConstellationTest, EverySystemBroadcastsItsOwnOrbits) {
   const std::array kFour{GnssSystem::gps, GnssSystem::glonass, GnssSystem::galileo,
                          GnssSystem::beidou};
   const auto all = make_nominal_constellation(kFour);
-  const auto at_once = all->navigation({2421, 1'000 * kSecond_ns});
+  const auto at_once = all->navigation({2421, 1'000 * kConstellationSecond_ns});
   EXPECT_EQ(at_once->galileo.size(), 24U);
   EXPECT_EQ(at_once->beidou.size(), 24U);
   EXPECT_TRUE(at_once->ephemerides[0]);
   // Until GLONASS' next half hour of UTC.
-  EXPECT_EQ(all->navigation({2421, 1'817 * kSecond_ns}), at_once);
-  EXPECT_NE(all->navigation({2421, 1'818 * kSecond_ns}), at_once);
+  EXPECT_EQ(all->navigation({2421, 1'817 * kConstellationSecond_ns}), at_once);
+  EXPECT_NE(all->navigation({2421, 1'818 * kConstellationSecond_ns}), at_once);
 }
 
 TEST(NominalConstellationTest, OneBroadcastLastsTwoHoursAndIsShared) {
   const auto gps = make_nominal_constellation(kGps);
-  const auto first = gps->navigation({2421, 7'200 * kSecond_ns});
-  EXPECT_EQ(gps->navigation({2421, 14'400 * kSecond_ns - 1}), first);
-  const auto second = gps->navigation({2421, 14'400 * kSecond_ns});
+  const auto first = gps->navigation({2421, 7'200 * kConstellationSecond_ns});
+  EXPECT_EQ(gps->navigation({2421, 14'400 * kConstellationSecond_ns - 1}), first);
+  const auto second = gps->navigation({2421, 14'400 * kConstellationSecond_ns});
   EXPECT_NE(second, first);
-  EXPECT_EQ(gps->navigation({2421, 7'201 * kSecond_ns}), first);  // a receiver a little behind
+  EXPECT_EQ(gps->navigation({2421, 7'201 * kConstellationSecond_ns}),
+            first);  // a receiver a little behind
   EXPECT_NE(first->ephemerides[0]->issue_of_ephemeris, second->ephemerides[0]->issue_of_ephemeris);
   EXPECT_FALSE(first->ephemerides[24].has_value());
 }
@@ -190,7 +190,7 @@ TEST(NominalConstellationTest, AnyThreadMayAsk) {
     for (auto& one : seen) {
       threads.emplace_back([&gps, &one] {
         for (std::int64_t hour = 0; hour <= 24; ++hour) {
-          one = gps->navigation({2421, hour * 3'600 * kSecond_ns});
+          one = gps->navigation({2421, hour * 3'600 * kConstellationSecond_ns});
         }
       });
     }
@@ -214,7 +214,9 @@ class FileConstellationTest : public testing::Test {
     }
     return all;
   }
-  static GpsTime hour(double hours) { return {2421, std::llround(hours * 3'600.0) * kSecond_ns}; }
+  static GpsTime hour(double hours) {
+    return {2421, std::llround(hours * 3'600.0) * kConstellationSecond_ns};
+  }
   std::shared_ptr<const Constellation> constellation_ =
       make_gps_constellation(sets(), nominal_ionosphere(), nominal_utc(2421 * 84));
 };
@@ -254,7 +256,7 @@ TEST_F(FileConstellationTest, BeyondTheFileTheNearestSetIsIssuedAnew) {
 
 TEST_F(FileConstellationTest, YearsFromTheFileAllIsStillInRange) {
   for (const std::int32_t week : {1100, 1700, 3000}) {
-    const GpsTime time{week, 300'000 * kSecond_ns};
+    const GpsTime time{week, 300'000 * kConstellationSecond_ns};
     const SatelliteState state = constellation_->state(0, time, -0.07);
     EXPECT_NEAR(state.position_E_m.norm(), 26.56e6, 0.3e6);
     EXPECT_LT(std::abs(state.clock_s), 1e-3);
@@ -298,7 +300,7 @@ TEST(Constellation, SharedStatesAreThoseOfTheInstantThatIsAskedFor) {
     }
     std::vector<SatelliteState> states(indices.size());
     for (std::int64_t epoch = 0; epoch < 40; ++epoch) {
-      const GpsTime time{2421, 100'000 * kSecond_ns + epoch / 2 * step_ms * 1'000'000};
+      const GpsTime time{2421, 100'000 * kConstellationSecond_ns + epoch / 2 * step_ms * 1'000'000};
       constellation->states(indices, time, states);
       for (std::size_t i = 0; i < indices.size(); ++i) {
         const SatelliteState alone = constellation->state(indices[i], time, 0.0);

@@ -3,11 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
 
 #include "fake_sky.h"
+#include "fields/constants.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/gnss/signal_path.h"
 
@@ -15,8 +15,6 @@ namespace rigwire::sim {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 double quantile(std::vector<double> values, double share) {
   std::ranges::sort(values);

@@ -1,11 +1,11 @@
 #include "sim/gnss/gnss_sensor.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -13,8 +13,6 @@ namespace rigwire::sim {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 class Sky final : public Visibility {
  public:

@@ -1,10 +1,10 @@
 #include "sim/gnss/multipath.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "fake_sky.h"
 
@@ -13,7 +13,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kClearance_m = 0.05;
 const Eigen::Vector3d kAntenna(0.0, 0.0, 2.0);
 

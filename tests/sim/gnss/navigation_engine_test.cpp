@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "fake_sky.h"
+#include "fields/constants.h"
 #include "sim/gnss/gnss_sensor.h"
 
 namespace rigwire::sim {
@@ -20,8 +21,6 @@ namespace {
 using namespace std::chrono_literals;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 double quantile(std::vector<double> values, double share) {
   std::ranges::sort(values);

@@ -1,4 +1,5 @@
 #include "sim/gnss/nominal_slots.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +14,6 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 GpsTime time_of(std::int64_t gps_s) {

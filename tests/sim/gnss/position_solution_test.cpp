@@ -1,16 +1,14 @@
 #include "sim/gnss/position_solution.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "sim/random.h"
 
 namespace rigwire::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 RangeEquation at(double azimuth_deg, double elevation_deg, GnssSystem system = GnssSystem::gps) {
   const double a = azimuth_deg * kDegree;

@@ -1,16 +1,14 @@
 #include "sim/gnss/range_errors.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
 
 namespace rigwire::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// All terms off; a test switches on what it is about.
 constexpr RangeErrorParameters kNoErrors{.orbit_clock_sigma_m = 0.0,
@@ -20,7 +18,7 @@ constexpr RangeErrorParameters kNoErrors{.orbit_clock_sigma_m = 0.0,
                                          .code_noise_m = 0.0,
                                          .multipath_sigma_m = 0.0};
 
-SignalArrival at(double elevation_deg, double azimuth_deg = 0.0) {
+SignalArrival error_at(double elevation_deg, double azimuth_deg = 0.0) {
   return {.azimuth_rad = azimuth_deg * kDegree, .elevation_rad = elevation_deg * kDegree};
 }
 
@@ -38,7 +36,7 @@ double multipath_correlation(double speed_mps, double step_s, double lag_s) {
   std::vector<double> x;
   for (int i = 0; i < 60'000; ++i) {
     satellite.advance(parameters, step_s, speed_mps);
-    x.push_back(satellite.error(parameters, at(90.0), {}).total_m());
+    x.push_back(satellite.error(parameters, error_at(90.0), {}).total_m());
   }
   const auto lag = static_cast<std::size_t>(std::lround(lag_s / step_s));
   double product = 0.0;
@@ -62,7 +60,7 @@ TEST(RangeErrors, CodeNoiseDoublesEverySixDecibel) {
   parameters.code_noise_m = 0.3;
   SatelliteErrors satellite(1, "satellite");
   satellite.advance(parameters, 1.0, 0.0);
-  SignalArrival strong = at(45.0);
+  SignalArrival strong = error_at(45.0);
   SignalArrival weak = strong;
   weak.cn0_dbhz = strong.cn0_dbhz - 20.0 * std::log10(2.0);
   const RangeError one = satellite.error(parameters, strong, {});
@@ -74,7 +72,7 @@ TEST(RangeErrors, CodeNoiseDoublesEverySixDecibel) {
 
 TEST(RangeErrors, ADetourIsExactAndNeverBelieved) {
   SatelliteErrors satellite(1, "satellite");
-  SignalArrival reflected = at(45.0);
+  SignalArrival reflected = error_at(45.0);
   reflected.extra_path_m = 17.0;
   const RangeError error = satellite.error(kNoErrors, reflected, {});
   EXPECT_DOUBLE_EQ(error.total_m(), 17.0);
@@ -93,7 +91,7 @@ TEST(RangeErrors, SigmaIsThatOfTheTotal) {
     for (std::uint64_t seed = 1; seed <= kSatellites; ++seed) {
       SatelliteErrors satellite(seed, "satellite");
       satellite.advance(parameters, 0.0, 0.0);
-      SignalArrival arrival = at(elevation_deg, 30.0);
+      SignalArrival arrival = error_at(elevation_deg, 30.0);
       RandomStream shared(seed, "shared");
       arrival.shared = {.orbit_clock = shared.gaussian(),
                         .ionosphere = shared.gaussian(),

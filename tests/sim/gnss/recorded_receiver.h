@@ -10,13 +10,13 @@
 #include <fstream>
 #include <functional>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "child_process.h"
+#include "fields/constants.h"
 #include "rinex_text.h"
 #include "sim/gnss/observations.h"
 #include "sim/local_frame.h"
@@ -46,7 +46,6 @@ struct Recording {
 inline Recording record(const Constellation& constellation, const Calendar& calendar,
                         const LocalFrame& frame, ReceiverClock clock, int epochs, bool atmosphere,
                         const std::function<AntennaMotion(double)>& motion) {
-  constexpr double kDegree = std::numbers::pi / 180.0;
   Observations observations(constellation.satellites().size(), 1, "ambiguity");
   Recording recording;
   recording.observations = test::rinex_observation_header();

@@ -12,8 +12,8 @@ namespace rigwire::sim {
 namespace {
 
 TEST(RelativePositionTest, AmbiguitiesAreWholeAndTheBaselineIsTheTruth) {
-  const std::array kGps{GnssSystem::gps};
-  const auto constellation = make_nominal_constellation(kGps);
+  const std::array kRelativePositionGps{GnssSystem::gps};
+  const auto constellation = make_nominal_constellation(kRelativePositionGps);
   // Over a change of the broadcast at 10:00:00 GPS and several resets of either clock.
   const Calendar calendar(UtcTime{2024, 6, 1, 9, 57, 0, 0});
   const LocalFrame frame(LocalFrameParameters{});

@@ -1,20 +1,19 @@
 #include "sim/gnss/signal_path.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "sim/local_frame.h"
 
 namespace rigwire::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr std::array kGps{GnssSystem::gps};
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::array kSignalPathGps{GnssSystem::gps};
+constexpr std::int64_t kSignalPathSecond_ns = 1'000'000'000;
 
 Eigen::Vector3d ecef(double latitude_deg, double longitude_deg, double height_m) {
   return LocalFrame({latitude_deg, longitude_deg, height_m, 0.0}).to_ecef(Eigen::Vector3d::Zero());
@@ -22,14 +21,15 @@ Eigen::Vector3d ecef(double latitude_deg, double longitude_deg, double height_m)
 
 class SignalPathTest : public testing::Test {
  protected:
-  std::shared_ptr<const Constellation> constellation_ = make_nominal_constellation(kGps);
+  std::shared_ptr<const Constellation> constellation_ = make_nominal_constellation(kSignalPathGps);
 };
 
 TEST_F(SignalPathTest, RangeIsTheFlightOfLightInAnInertialFrame) {
   // The inertial frame that is the earth's at reception. Bisection for the time of flight.
   for (const double latitude_deg : {-89.0, 0.0, 49.4, 70.0}) {
     ReceptionPoint antenna;
-    antenna.time = {2421, 7'200 * kSecond_ns + 20'000'000};  // signals left before the sets changed
+    antenna.time = {
+        2421, 7'200 * kSignalPathSecond_ns + 20'000'000};  // signals left before the sets changed
     antenna.offset_s = 3.2e-4;
     antenna.position_E_m = ecef(latitude_deg, 179.9, 300.0);
     for (std::size_t i = 0; i < constellation_->satellites().size(); ++i) {
@@ -57,7 +57,7 @@ TEST_F(SignalPathTest, WhoForgetsTheEarthsRotationIsTwentyMetresTooFarEast) {
   // during the flight, 465 m/s cos(latitude) times 70 ms.
   const LocalFrame frame({49.4, 7.75, 280.0, 0.0});
   ReceptionPoint antenna;
-  antenna.time = {2316, 300'000 * kSecond_ns};
+  antenna.time = {2316, 300'000 * kSignalPathSecond_ns};
   antenna.position_E_m = frame.to_ecef(Eigen::Vector3d::Zero());
   const Eigen::Vector3d& r = antenna.position_E_m;
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
@@ -87,7 +87,7 @@ TEST_F(SignalPathTest, RangeRateIsTheDerivativeOfRange) {
       frame.world_from_ecef().transpose() * Eigen::Vector3d(200.0, -150.0, 30.0);
   const auto path_at = [&](std::size_t i, double t) {
     ReceptionPoint antenna;
-    antenna.time = {2421, 100'000 * kSecond_ns + std::llround(t * 1e9)};
+    antenna.time = {2421, 100'000 * kSignalPathSecond_ns + std::llround(t * 1e9)};
     antenna.position_E_m = frame.to_ecef({0.0, 0.0, 0.0}) + v_E * t;
     antenna.velocity_E_mps = v_E;
     return signal_path(*constellation_, i, antenna);
@@ -102,7 +102,7 @@ TEST_F(SignalPathTest, RangeRateIsTheDerivativeOfRange) {
 
 TEST_F(SignalPathTest, CarriesTheSatellitesClock) {
   ReceptionPoint antenna;
-  antenna.time = {2421, 500'000 * kSecond_ns};
+  antenna.time = {2421, 500'000 * kSignalPathSecond_ns};
   antenna.position_E_m = ecef(49.4, 7.75, 280.0);
   for (std::size_t i = 0; i < constellation_->satellites().size(); ++i) {
     const SignalPath path = signal_path(*constellation_, i, antenna);
@@ -115,7 +115,7 @@ TEST_F(SignalPathTest, CarriesTheSatellitesClock) {
 
 TEST_F(SignalPathTest, AReceptionOffsetIsALaterTime) {
   ReceptionPoint early;
-  early.time = {2421, 500'000 * kSecond_ns};
+  early.time = {2421, 500'000 * kSignalPathSecond_ns};
   early.offset_s = 4e-4;
   early.position_E_m = ecef(49.4, 7.75, 280.0);
   ReceptionPoint late = early;

@@ -13,18 +13,16 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <vector>
 
 #include "fake_sky.h"
+#include "fields/constants.h"
 #include "sim/gnss/gnss_sensor.h"
 
 namespace rigwire::sim {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Band {
   double least;

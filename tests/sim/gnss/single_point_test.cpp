@@ -13,7 +13,7 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr std::array kGps{GnssSystem::gps};
+constexpr std::array kSinglePointGps{GnssSystem::gps};
 
 struct SinglePointCase {
   const char* name;
@@ -33,7 +33,7 @@ std::ostream& operator<<(std::ostream& out, const SinglePointCase& c) {
 class SinglePointTest : public testing::TestWithParam<SinglePointCase> {};
 
 std::shared_ptr<const Constellation> constellation_of(const SinglePointCase& c) {
-  const auto nominal = make_nominal_constellation(kGps);
+  const auto nominal = make_nominal_constellation(kSinglePointGps);
   if (!c.from_file) {
     return nominal;
   }

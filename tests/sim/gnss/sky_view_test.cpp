@@ -1,10 +1,10 @@
 #include "sim/gnss/sky_view.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include "fake_sky.h"
@@ -14,7 +14,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 const Eigen::Vector3d kHere = Eigen::Vector3d::Zero();
 
 SkyViewParameters with(SkySamples samples) {

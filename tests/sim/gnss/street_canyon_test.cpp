@@ -174,12 +174,13 @@ TEST(StreetCanyon, MeanStrengthsByElevationAreThoseOfATown) {
   for (std::uint64_t seed = 1; seed <= kDrives; ++seed) {
     drive(seed, statistics);
   }
-  struct Band {
+  struct StreetCanyonBand {
     double least;
     double greatest;
   };
-  constexpr std::array kBands{Band{26.0, 35.0}, Band{34.0, 38.5}, Band{38.5, 43.0},
-                              Band{42.5, 46.5}, Band{43.5, 48.5}};
+  constexpr std::array kBands{StreetCanyonBand{26.0, 35.0}, StreetCanyonBand{34.0, 38.5},
+                              StreetCanyonBand{38.5, 43.0}, StreetCanyonBand{42.5, 46.5},
+                              StreetCanyonBand{43.5, 48.5}};
   for (std::size_t i = 0; i < kBands.size(); ++i) {
     ASSERT_GT(statistics.strengths[i], 500.0);
     const double mean_dbhz = statistics.strength_dbhz[i] / statistics.strengths[i];

@@ -208,7 +208,7 @@ TEST(DiggableTerrain, ThousandsOfDigsAndPoursBalanceToTheLastUnit) {
   const long double at_start = volume_m3(ground.field());
   std::int64_t bucket = 0;
   long double taken_m3 = 0.0L;
-  const auto before = test::allocations();
+  const auto before = rigwire::test::allocations();
   for (int i = 0; i < 4000; ++i) {
     const double x = random.uniform(-10, 10);
     const double y = random.uniform(-10, 10);
@@ -228,7 +228,7 @@ TEST(DiggableTerrain, ThousandsOfDigsAndPoursBalanceToTheLastUnit) {
     terrain.settle();
     ASSERT_EQ(terrain.gained_units() + bucket, 0) << i;
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(rigwire::test::allocations(), before);
   EXPECT_GT(taken_m3, 100.0L);
   // By the heights themselves, which the rays and wheels see.
   const long double held =

@@ -1,4 +1,5 @@
 #include "sim/ground/earthmoving.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +9,6 @@
 
 namespace rigwire::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 double cot(double angle) {
   return std::cos(angle) / std::sin(angle);

@@ -79,11 +79,11 @@ TEST(Ruts, NoNumberAndNoPageDoNothing) {
 
 TEST(Ruts, PressingAllocatesNothing) {
   Ruts ruts(16);
-  const auto before = test::allocations();
+  const auto before = rigwire::test::allocations();
   for (int i = 0; i < 1000; ++i) {
     ruts.press({0.3 * i, 0.1 * i}, Place::UnitX(), 0.15, 0.2, 0.1);
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(rigwire::test::allocations(), before);
 }
 
 SoilMap halves() {

@@ -31,7 +31,7 @@ HeightField slope(Eigen::Vector2d middle, double east, double north) {
   return field;
 }
 
-HeightField rough(Eigen::Vector2d origin) {
+HeightField wheel_contact_rough(Eigen::Vector2d origin) {
   HeightField field = field_of(origin, 41, 0.5);
   RandomStream random(3, "rough");
   for (double& height : field.heights_m) {
@@ -82,8 +82,8 @@ INSTANTIATE_TEST_SUITE_P(Offsets, PlaneContact, testing::Values(0.0, 1e6), [](co
 });
 
 TEST(WheelContact, LosesNoDigitsAMillionMetresAway) {
-  const Ground near(rough({0.0, 0.0}), {}, {});
-  const Ground far(rough({1e6, 1e6}), {}, {});
+  const Ground near(wheel_contact_rough({0.0, 0.0}), {}, {});
+  const Ground far(wheel_contact_rough({1e6, 1e6}), {}, {});
   for (double x = 2.0; x < 18.0; x += 0.0625) {
     const auto a = near.wheel_contact({x, 10.125, 0.5}, Vector::UnitY(), kRadius_m);
     const auto b = far.wheel_contact({1e6 + x, 1e6 + 10.125, 0.5}, Vector::UnitY(), kRadius_m);
@@ -127,7 +127,7 @@ TEST(WheelContact, DrivingOverAStepJumpsNowhere) {
 }
 
 TEST(WheelContact, DrivingOverRoughGroundJumpsNowhere) {
-  const Ground ground(rough({0.0, 0.0}), {}, {});
+  const Ground ground(wheel_contact_rough({0.0, 0.0}), {}, {});
   EXPECT_LT(greatest_jump(ground, 1.0, 19.0, 10.1, 0.52), 0.002);
 }
 

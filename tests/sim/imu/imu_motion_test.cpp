@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../tyre/quarter_vehicle.h"
+#include "fields/constants.h"
 #include "sim/imu/imu_sensor.h"
 
 namespace rigwire::sim {
@@ -15,7 +16,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using Vector = Eigen::Vector3d;
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kStandardGravity = 9.80665;
 
 /// Amplitude of the component at `frequency_hz` in a record of whole periods.
@@ -104,7 +104,7 @@ ImuParameters differencing() {
 }
 
 /// 2 m ahead of an axis that turns at `rate`.
-LinkMotion turning(double rate, double t) {
+LinkMotion turning_about_z(double rate, double t) {
   LinkMotion link;
   link.X_WL.linear() = Eigen::AngleAxisd(rate * t, Vector::UnitZ()).toRotationMatrix();
   link.w_WL_W = Vector(0.0, 0.0, rate);
@@ -120,10 +120,12 @@ TEST(VelocityDifference, OnALeverArmIsTheChordOfTheArc) {
     const double T = 1e-3 * milliseconds;
     ImuSensor paper(differencing(), 1, "imu");
     ImuSensor solver(perfect_imu(), 1, "imu");
-    (void)paper.sample(kStart, turning(rate, 0.0), kStandardGravity);
+    (void)paper.sample(kStart, turning_about_z(rate, 0.0), kStandardGravity);
     const auto time = kStart + milliseconds * 1ms;
-    const auto f = paper.sample(time, turning(rate, T), kStandardGravity).specific_force_mps2;
-    const auto exact = solver.sample(time, turning(rate, T), kStandardGravity).specific_force_mps2;
+    const auto f =
+        paper.sample(time, turning_about_z(rate, T), kStandardGravity).specific_force_mps2;
+    const auto exact =
+        solver.sample(time, turning_about_z(rate, T), kStandardGravity).specific_force_mps2;
     const double mean = rate * rate * 2.0 * std::sin(0.5 * rate * T) / (0.5 * rate * T);
     EXPECT_NEAR(f.x, -mean * std::cos(0.5 * rate * T), 1e-10);
     EXPECT_NEAR(f.y, mean * std::sin(0.5 * rate * T), 1e-10);

@@ -355,9 +355,10 @@ TEST(BeamCaster, CastingDoesNotAllocate) {
   std::uint64_t allocations = 0;
   for (int i = 0; i < 4; ++i) {
     const SimTime end = time + 100 * kFiringPeriod;
-    const std::uint64_t before = test::allocations();
+    const std::uint64_t before = rigwire::test::allocations();
     shooter.lidar().cast(scene, {time, end, {}, {}}, nullptr, firings, nullptr);
-    allocations = test::allocations() - before;  // of the last one: the vectors have their length
+    allocations =
+        rigwire::test::allocations() - before;  // of the last one: the vectors have their length
     time = end;
   }
   EXPECT_EQ(allocations, 0U);

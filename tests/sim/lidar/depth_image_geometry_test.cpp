@@ -1,4 +1,5 @@
 #include "sim/lidar/depth_image_geometry.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +9,6 @@
 
 namespace rigwire::sim {
 namespace {
-
-constexpr double kDegree = kTurn / 360.0;
 
 /// Elevation of what is seen where the pipeline looks for a laser.
 double elevation_rad(const DepthImageGeometry& geometry, std::size_t laser, double azimuth_rad) {

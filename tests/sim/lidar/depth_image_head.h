@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "fields/constants.h"
 #include "sim/lidar/depth_image_lidar.h"
 #include "sim/lidar/lidar_parameters.h"
 #include "sim/lidar/lidar_sensor.h"
@@ -13,7 +13,6 @@
 
 namespace rigwire::sim {
 
-inline constexpr double kTurn = 2.0 * std::numbers::pi;
 inline constexpr double kRate_radps = 10.0 * kTurn;
 inline constexpr Duration kRevolution = std::chrono::milliseconds{100};
 

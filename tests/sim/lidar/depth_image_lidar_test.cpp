@@ -14,18 +14,18 @@ namespace {
 using Eigen::Vector3d;
 using std::chrono::milliseconds;
 
-constexpr double kHeight_m = 2.5;
+constexpr double kDepthImageLidarHeight_m = 2.5;
 
-Material white() {
+Material depth_image_lidar_white() {
   return {.reflectance = 0.9, .label = "white"};
 }
 
 std::vector<LidarFiring> revolution_over_level_ground(const DepthImageParameters& parameters,
                                                       const LidarPattern& head) {
   Scene scene;
-  scene.add_terrain(level_ground(), white());
+  scene.add_terrain(level_ground(), depth_image_lidar_white());
   DepthImageLidar lidar(parameters, noiseless(), head, firing_plan(), turning(), 1, "lidar");
-  return revolution(lidar, scene, standing(0.0, 0.0, kHeight_m));
+  return revolution(lidar, scene, standing(0.0, 0.0, kDepthImageLidarHeight_m));
 }
 
 /// Radii on the ground of one laser's points, by their ranges alone.
@@ -41,7 +41,8 @@ Ring ring(const std::vector<LidarFiring>& firings, std::size_t laser) {
   double squares = 0.0;
   for (const LidarFiring& firing : firings) {
     const double range = firing.strongest[laser].range_m;
-    const double radius = std::sqrt(range * range - kHeight_m * kHeight_m);
+    const double radius =
+        std::sqrt(range * range - kDepthImageLidarHeight_m * kDepthImageLidarHeight_m);
     sum += radius;
     squares += radius * radius;
     found.least_m = std::min(found.least_m, radius);
@@ -63,7 +64,7 @@ TEST(DepthImageLidar, RingsOnLevelGroundAreCirclesWithTheExactRules) {
     ASSERT_EQ(firings.size(), 2170U);
     for (std::size_t laser = 0; laser < 16; ++laser) {
       const Ring found = ring(firings, laser);
-      const double radius = kHeight_m / std::tan(-head.lasers[laser].elevation_rad);
+      const double radius = kDepthImageLidarHeight_m / std::tan(-head.lasers[laser].elevation_rad);
       EXPECT_NEAR(found.mean_m / radius, 1.0, 1e-6) << laser;
       EXPECT_LT(found.deviation_m / radius, 1e-6) << laser;
     }
@@ -92,7 +93,7 @@ double rms_error_m(const DepthImageParameters& parameters, double least_m, doubl
   int count = 0;
   for (const LidarFiring& firing : firings) {
     for (std::size_t j = 0; j < head.lasers.size(); ++j) {
-      const double truth = kHeight_m / std::sin(-head.lasers[j].elevation_rad);
+      const double truth = kDepthImageLidarHeight_m / std::sin(-head.lasers[j].elevation_rad);
       if (truth > least_m && truth < greatest_m && firing.strongest[j].range_m > 0.0F) {
         squares += std::pow(firing.strongest[j].range_m - truth, 2);
         ++count;
@@ -110,7 +111,7 @@ TEST(DepthImageLidar, NearestPixelErrsByTheSquareOfTheRangeOverThePixels) {
     parameters.width_px = width_px;
     // A row is 1/f in tan(elevation): r^2 / (h f), uniform within half a pixel either way.
     const double f_px = 0.5 * width_px;
-    const double at_9_m = 9.0 * 9.0 / (kHeight_m * f_px * std::sqrt(12.0));
+    const double at_9_m = 9.0 * 9.0 / (kDepthImageLidarHeight_m * f_px * std::sqrt(12.0));
     const double found = rms_error_m(parameters, 8.0, 10.0);
     EXPECT_GT(found, 0.6 * at_9_m) << width_px;
     EXPECT_LT(found, 1.6 * at_9_m) << width_px;
@@ -130,7 +131,8 @@ TEST(DepthImageLidar, ParallaxStepsFindWhereEachBeamLeaves) {
     for (const LidarFiring& firing : firings) {
       for (std::size_t j = 0; j < 16; ++j) {
         const LaserGeometry& laser = head.lasers[j];
-        const double truth = (kHeight_m + laser.vertical_offset_m) / std::sin(-laser.elevation_rad);
+        const double truth =
+            (kDepthImageLidarHeight_m + laser.vertical_offset_m) / std::sin(-laser.elevation_rad);
         worst = std::max(worst, std::abs(firing.strongest[j].range_m - truth));
       }
     }
@@ -147,7 +149,7 @@ TEST(DepthImageLidar, ParallaxStepsFindWhereEachBeamLeaves) {
 TEST(DepthImageLidar, FiringsAzimuthsAndNoiseAreThoseOfTheRays) {
   Scene scene;
   scene.add_terrain(level_ground(), {.reflectance = 0.4, .label = "ground"});
-  const LinkMotion mount = standing(3.0, -2.0, kHeight_m);
+  const LinkMotion mount = standing(3.0, -2.0, kDepthImageLidarHeight_m);
   const LidarPattern head = real_head();
   DepthImageParameters parameters;
   parameters.near_plane_m = 0.1;
@@ -195,9 +197,9 @@ class Mist final : public Weather {
 
 TEST(DepthImageLidar, MistWeakensSurfacesAndReturnsWhereTheyAreFaint) {
   Scene scene;
-  scene.add_terrain(level_ground(), white());
+  scene.add_terrain(level_ground(), depth_image_lidar_white());
   scene.begin_slice(kStart, kStart + kRevolution, Vector3d::Zero(), {});
-  const LinkMotion mount = standing(0.0, 0.0, kHeight_m);
+  const LinkMotion mount = standing(0.0, 0.0, kDepthImageLidarHeight_m);
   const LidarPattern head = ideal_head();
   const auto run = [&](LidarSensor& lidar) {
     std::vector<LidarFiring> firings;
@@ -221,8 +223,8 @@ TEST(DepthImageLidar, MistWeakensSurfacesAndReturnsWhereTheyAreFaint) {
 
 TEST(DepthImageLidar, NeitherThreadsNorSlicesChangeAnything) {
   Scene scene;
-  scene.add_terrain(level_ground(), white());
-  const LinkMotion mount = standing(0.0, 0.0, kHeight_m);
+  scene.add_terrain(level_ground(), depth_image_lidar_white());
+  const LinkMotion mount = standing(0.0, 0.0, kDepthImageLidarHeight_m);
   const auto run = [&](int threads, int slice_ms) {
     DepthImageParameters parameters;
     SpinningLidarParameters receiver;
@@ -254,7 +256,7 @@ TEST(DepthImageLidar, AStandingRotorStillSeesTheWorldMove) {
   Scene scene;
   const auto mesh = scene.add_mesh(make_box("boom", {1.0, 40.0, 40.0}));
   const auto body = scene.add_body("boom");
-  scene.add_body_part(body, mesh, Eigen::Isometry3d::Identity(), white());
+  scene.add_body_part(body, mesh, Eigen::Isometry3d::Identity(), depth_image_lidar_white());
   DepthImageParameters parameters;
   parameters.width_px = 64;
   DepthImageLidar lidar(parameters, noiseless(), ideal_head(), firing_plan(), turning(0.0), 1,
@@ -276,7 +278,7 @@ TEST(DepthImageLidar, AStandingRotorStillSeesTheWorldMove) {
 
 TEST(DepthImageLidar, AnotherRevolutionIsAnotherImageThoughTheViewSkipsForward) {
   Scene scene;
-  scene.add_terrain(level_ground(), white());
+  scene.add_terrain(level_ground(), depth_image_lidar_white());
   LidarCommand command = turning();
   command.view_start_rad = 0.25 * kTurn;
   command.view_end_rad = 0.75 * kTurn;
@@ -284,7 +286,7 @@ TEST(DepthImageLidar, AnotherRevolutionIsAnotherImageThoughTheViewSkipsForward) 
   parameters.width_px = 64;
   DepthImageLidar lidar(parameters, noiseless(), ideal_head(), firing_plan(), command, 1, "lidar");
   std::vector<LidarFiring> firings;
-  const LinkMotion mount = standing(0.0, 0.0, kHeight_m);
+  const LinkMotion mount = standing(0.0, 0.0, kDepthImageLidarHeight_m);
   std::uint64_t first = 0;
   for (int i = 0; i < 2; ++i) {
     const SimTime t0 = kStart + i * kRevolution;
@@ -323,7 +325,7 @@ TEST(DepthImageLidar, AHeadOfSixtyFourLasersFiresTwoBanks) {
     EXPECT_EQ(firings[i + 1].first_laser, 32U);
     EXPECT_EQ(firings[i].time, firings[i + 1].time);
     for (std::size_t j = 0; j < 32; ++j) {
-      const double truth = kHeight_m / std::sin(-head.lasers[32 + j].elevation_rad);
+      const double truth = kDepthImageLidarHeight_m / std::sin(-head.lasers[32 + j].elevation_rad);
       EXPECT_NEAR(firings[i + 1].strongest[j].range_m, truth, 1e-4);
     }
   }

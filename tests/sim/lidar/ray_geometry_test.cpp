@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "fields/constants.h"
 #include "sim/lidar/spinning_lidar.h"
 #include "sim/random.h"
 
@@ -16,8 +17,6 @@ using Eigen::Vector3d;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kDegree = kTurn / 360.0;
 constexpr double kRate = 10.0 * kTurn;
 constexpr double kHalfUnit_m = 1e-3;
 

@@ -1,10 +1,10 @@
 #include "sim/lidar/rotor.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -15,9 +15,7 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kRate = 10.0 * kTurn;
-constexpr double kDegree = kTurn / 360.0;
+constexpr double kRotorRate = 10.0 * kTurn;
 
 LidarCommand turning(double rate_radps) {
   LidarCommand command;
@@ -36,7 +34,7 @@ double error_of(double azimuth_rad, double expected_rad) {
 }
 
 TEST(Rotor, TurnsEvenlyFromTheStartUnlessItStartsAtRest) {
-  Rotor rotor(turning(kRate));
+  Rotor rotor(turning(kRotorRate));
   EXPECT_EQ(rotor.at(kStart).azimuth_rad, 0.0);
   EXPECT_NEAR(rotor.at(kStart + milliseconds{25}).azimuth_rad, 0.25 * kTurn, 1e-12);
   EXPECT_LT(
@@ -47,7 +45,7 @@ TEST(Rotor, TurnsEvenlyFromTheStartUnlessItStartsAtRest) {
 TEST(Rotor, SpinsUpWithinItsTorqueAndTheAzimuthIsTheIntegralOfTheSpeed) {
   RotorParameters parameters;
   parameters.starts_at_rest = true;
-  Rotor rotor(turning(kRate), parameters);
+  Rotor rotor(turning(kRotorRate), parameters);
   RotorState before = rotor.at(kStart);
   EXPECT_EQ(before.rate_radps, 0.0);
   double integral = 0.0;
@@ -61,39 +59,40 @@ TEST(Rotor, SpinsUpWithinItsTorqueAndTheAzimuthIsTheIntegralOfTheSpeed) {
     EXPECT_LE(state.rate_radps - before.rate_radps, 1.0001 * 30.0 * step_s);
     before = state;
   }
-  EXPECT_EQ(before.rate_radps, kRate);
+  EXPECT_EQ(before.rate_radps, kRotorRate);
   // Full torque from rest, and an exponential end of speed a tau, which costs a tau^2 / 2 more.
-  EXPECT_NEAR(integral, kRate * 4.0 - 0.5 * kRate * kRate / 30.0 - 0.5 * 30.0 * 0.1 * 0.1,
-              1e-3 * kRate);
+  EXPECT_NEAR(integral,
+              kRotorRate * 4.0 - 0.5 * kRotorRate * kRotorRate / 30.0 - 0.5 * 30.0 * 0.1 * 0.1,
+              1e-3 * kRotorRate);
 }
 
 TEST(Rotor, SpeedFollowsASmallStepWithItsTimeConstant) {
-  Rotor rotor(turning(kRate));
-  rotor.command(kStart + seconds{1}, turning(kRate + 1.0));
+  Rotor rotor(turning(kRotorRate));
+  rotor.command(kStart + seconds{1}, turning(kRotorRate + 1.0));
   const double after_one = rotor.at(kStart + seconds{1} + milliseconds{101}).rate_radps;
-  EXPECT_NEAR(after_one - kRate, 1.0 - std::exp(-1.0), 2e-3);
+  EXPECT_NEAR(after_one - kRotorRate, 1.0 - std::exp(-1.0), 2e-3);
 }
 
 TEST(Rotor, ComesToRestAndStands) {
-  Rotor rotor(turning(kRate));
+  Rotor rotor(turning(kRotorRate));
   rotor.command(kStart + seconds{1}, turning(0.0));
-  double least = kRate;
+  double least = kRotorRate;
   for (int ms = 1000; ms < 6000; ++ms) {
     least = std::min(least, rotor.at(kStart + milliseconds{ms}).rate_radps);
   }
   EXPECT_EQ(least, 0.0) << "it never turns back";
   const double azimuth = rotor.at(kStart + seconds{6}).azimuth_rad;
   EXPECT_EQ(rotor.at(kStart + seconds{7}).azimuth_rad, azimuth);
-  rotor.command(kStart + seconds{7}, turning(-kRate));
-  EXPECT_EQ(rotor.at(kStart + seconds{12}).rate_radps, -kRate);
+  rotor.command(kStart + seconds{7}, turning(-kRotorRate));
+  EXPECT_EQ(rotor.at(kStart + seconds{12}).rate_radps, -kRotorRate);
 }
 
 TEST(Rotor, AskingMoreOrLessOftenChangesNothing) {
   RotorParameters parameters;
   parameters.wander_radps = 0.3;
-  Rotor often(turning(kRate), parameters, 7, "lidar");
-  Rotor seldom(turning(kRate), parameters, 7, "lidar");
-  Rotor other(turning(kRate), parameters, 7, "other");
+  Rotor often(turning(kRotorRate), parameters, 7, "lidar");
+  Rotor seldom(turning(kRotorRate), parameters, 7, "lidar");
+  Rotor other(turning(kRotorRate), parameters, 7, "other");
   RotorState last;
   for (int i = 1; i <= 30'000; ++i) {
     last = often.at(kStart + microseconds{46} * i);
@@ -108,11 +107,11 @@ TEST(Rotor, WandersWithItsSpreadAndItsCorrelation) {
   RotorParameters parameters;
   parameters.wander_radps = 0.3;
   parameters.wander_correlation_s = 0.1;
-  Rotor rotor(turning(kRate), parameters, 3, "lidar");
+  Rotor rotor(turning(kRotorRate), parameters, 3, "lidar");
   std::vector<double> deviation;
   constexpr int kSamples = 200'000;  // 200 s: 1000 independent ones
   for (int ms = 0; ms < kSamples; ++ms) {
-    deviation.push_back(rotor.at(kStart + milliseconds{ms}).rate_radps - kRate);
+    deviation.push_back(rotor.at(kStart + milliseconds{ms}).rate_radps - kRotorRate);
   }
   double sum = 0.0;
   double square = 0.0;
@@ -132,8 +131,8 @@ TEST(Rotor, WandersWithItsSpreadAndItsCorrelation) {
 TEST(Rotor, EncoderReadsWithNoiseOfItsOwnAndTheShaftKnowsNothingOfIt) {
   RotorParameters parameters;
   parameters.encoder_noise_rad = 1e-4;
-  Rotor noisy(turning(kRate), parameters, 3, "lidar");
-  Rotor even(turning(kRate));
+  Rotor noisy(turning(kRotorRate), parameters, 3, "lidar");
+  Rotor even(turning(kRotorRate));
   double squares = 0.0;
   double neighbours = 0.0;
   double before = 0.0;
@@ -157,7 +156,7 @@ TEST(Rotor, SpeedRisesAndFallsOnceInATurnAtAPhaseOfTheUnit) {
   RotorParameters parameters;
   parameters.ripple_radps = 0.1;
   const auto fastest_at = [&](std::uint64_t seed) {
-    Rotor rotor(turning(kRate), parameters, seed, "lidar");
+    Rotor rotor(turning(kRotorRate), parameters, seed, "lidar");
     double fastest = 0.0;
     double slowest = 1e9;
     double at_rad = 0.0;
@@ -169,9 +168,10 @@ TEST(Rotor, SpeedRisesAndFallsOnceInATurnAtAPhaseOfTheUnit) {
         at_rad = state.azimuth_rad;
       }
     }
-    EXPECT_NEAR(fastest, kRate + 0.1, 2e-4);
-    EXPECT_NEAR(slowest, kRate - 0.1, 2e-4);
-    EXPECT_LT(error_of(rotor.at(kStart + seconds{10}).azimuth_rad, 0.0), 0.1 / kRate * 2.0 + 1e-4)
+    EXPECT_NEAR(fastest, kRotorRate + 0.1, 2e-4);
+    EXPECT_NEAR(slowest, kRotorRate - 0.1, 2e-4);
+    EXPECT_LT(error_of(rotor.at(kStart + seconds{10}).azimuth_rad, 0.0),
+              0.1 / kRotorRate * 2.0 + 1e-4)
         << "no turn is gained";
     return at_rad;
   };
@@ -199,36 +199,36 @@ TEST(Rotor, PassesTheLockedAzimuthAtTheTopOfEachSecond) {
   const SimTime pulse = kStart + milliseconds{137};
   RotorParameters parameters;
   parameters.starts_at_rest = true;
-  Rotor rotor(locked(kRate, 1.25, pulse), parameters);
-  double before = kRate;
+  Rotor rotor(locked(kRotorRate, 1.25, pulse), parameters);
+  double before = kRotorRate;
   for (int s = 15; s <= 180; ++s) {
     const RotorState state = rotor.at(pulse + seconds{s});
     EXPECT_LT(error_of(state.azimuth_rad, 1.25), 1e-6) << s;
     before = state.rate_radps;
   }
-  EXPECT_NEAR(before, kRate, 1e-6);
+  EXPECT_NEAR(before, kRotorRate, 1e-6);
 }
 
 TEST(Rotor, SlewsToANewPhaseBySmallChangesOfSpeed) {
-  Rotor rotor(locked(kRate, 0.0));
+  Rotor rotor(locked(kRotorRate, 0.0));
   EXPECT_LT(error_of(rotor.at(kStart + seconds{1}).azimuth_rad, 0.0), 1e-6);
-  rotor.command(kStart + seconds{1}, locked(kRate, 0.45 * kTurn));
-  double least = kRate;
-  double greatest = kRate;
+  rotor.command(kStart + seconds{1}, locked(kRotorRate, 0.45 * kTurn));
+  double least = kRotorRate;
+  double greatest = kRotorRate;
   for (int ms = 1000; ms < 15'000; ++ms) {
     const double rate = rotor.at(kStart + milliseconds{ms}).rate_radps;
     least = std::min(least, rate);
     greatest = std::max(greatest, rate);
   }
-  EXPECT_GT(least, 0.989 * kRate);
-  EXPECT_NEAR(greatest, 1.01 * kRate, 0.001 * kRate);
+  EXPECT_GT(least, 0.989 * kRotorRate);
+  EXPECT_NEAR(greatest, 1.01 * kRotorRate, 0.001 * kRotorRate);
   EXPECT_LT(error_of(rotor.at(kStart + seconds{15}).azimuth_rad, 0.45 * kTurn), 1e-6);
 }
 
 TEST(Rotor, HoldsThePhaseForMinutesWhileItWanders) {
   RotorParameters parameters;
   parameters.wander_radps = 0.157;  // 1.5 rpm
-  Rotor rotor(locked(kRate, 2.0), parameters, 11, "lidar");
+  Rotor rotor(locked(kRotorRate, 2.0), parameters, 11, "lidar");
   double square = 0.0;
   double worst = 0.0;
   constexpr int kSeconds = 1200;
@@ -265,7 +265,7 @@ TEST(Rotor, RefusesNonsense) {
   refused([](auto& p) { p.phase_speed_share = 1.0; });
   EXPECT_THROW(Rotor(turning(501.0)), std::invalid_argument);
   EXPECT_THROW(Rotor(turning(std::nan(""))), std::invalid_argument);
-  EXPECT_THROW(Rotor(locked(kRate, std::nan(""))), std::invalid_argument);
+  EXPECT_THROW(Rotor(locked(kRotorRate, std::nan(""))), std::invalid_argument);
 }
 
 }  // namespace

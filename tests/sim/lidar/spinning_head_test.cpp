@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "fields/constants.h"
 #include "rough_surface.h"
 #include "sim/lidar/spinning_lidar.h"
 
@@ -17,10 +17,8 @@ using Eigen::Vector3d;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kDegree = kTurn / 360.0;
-constexpr double kRate = 10.0 * kTurn;
-constexpr double kHalfUnit_m = 1e-3;
+constexpr double kSpinningHeadRate = 10.0 * kTurn;
+constexpr double kSpinningHeadHalfUnit_m = 1e-3;
 
 LidarPattern head(std::size_t lasers, nanoseconds period) {
   LidarPattern result;
@@ -72,9 +70,9 @@ SamplePlan plan_of(const LidarPattern& pattern) {
   return {kStart + pattern.firing_period, pattern.firing_period};
 }
 
-LidarCommand turning() {
+LidarCommand spinning_head_turning() {
   LidarCommand command;
-  command.rotor_rate_radps = kRate;
+  command.rotor_rate_radps = kSpinningHeadRate;
   return command;
 }
 
@@ -121,7 +119,8 @@ TEST(SpinningHead, EveryLaserOfEveryHeadLeavesWhereAndWhenItsGeometrySays) {
   room.scene.begin_slice(kStart, t1, Vector3d::Zero(), {});
   for (const Head& of : heads()) {
     const LidarPattern& pattern = of.pattern;
-    SpinningLidar lidar({.range_sigma_m = 0.0}, pattern, plan_of(pattern), turning(), 1, "lidar");
+    SpinningLidar lidar({.range_sigma_m = 0.0}, pattern, plan_of(pattern), spinning_head_turning(),
+                        1, "lidar");
     std::vector<LidarFiring> firings;
     std::vector<LidarBankTruth> truth;
     const LinkMotion mount = still(0.4, -0.3, 0.2);
@@ -146,8 +145,8 @@ TEST(SpinningHead, EveryLaserOfEveryHeadLeavesWhereAndWhenItsGeometrySays) {
         }
         const LaserGeometry& laser = pattern.lasers[number];
         const double w = laser.elevation_rad;
-        const double b =
-            kRate * to_seconds(firing.time + laser.time_offset) + laser.azimuth_offset_rad;
+        const double b = kSpinningHeadRate * to_seconds(firing.time + laser.time_offset) +
+                         laser.azimuth_offset_rad;
         const Vector3d d(std::cos(w) * std::cos(b), -std::cos(w) * std::sin(b), std::sin(w));
         const Vector3d p =
             mount.X_WL.translation() + Vector3d(-laser.horizontal_offset_m * std::sin(b),
@@ -161,7 +160,7 @@ TEST(SpinningHead, EveryLaserOfEveryHeadLeavesWhereAndWhenItsGeometrySays) {
                     0.9 * rough_surface(truth[k][i].cosine_of_incidence), 1e-5);
       }
     }
-    EXPECT_LT(worst, 0.1 * kHalfUnit_m) << of.name;
+    EXPECT_LT(worst, 0.1 * kSpinningHeadHalfUnit_m) << of.name;
   }
 }
 
@@ -190,7 +189,7 @@ TEST(SpinningHead, FiresWithinTheViewOnlyAndStillReportsEachFiring) {
   const SimTime t1 = kStart + milliseconds{100};
   room.scene.begin_slice(kStart, t1, Vector3d::Zero(), {});
   for (const Head& of : heads()) {
-    LidarCommand command = turning();
+    LidarCommand command = spinning_head_turning();
     command.view_start_rad = 300.07 * kDegree;  // through 0
     command.view_end_rad = 45.03 * kDegree;
     SpinningLidar lidar({.range_sigma_m = 0.0}, of.pattern, plan_of(of.pattern), command, 1,
@@ -226,12 +225,12 @@ TEST(SpinningHead, WithTheLaserOffFiringsAreThereAndEmpty) {
   const SimTime t1 = kStart + milliseconds{10};
   const SimTime t2 = kStart + milliseconds{20};
   const LidarPattern pattern = head(32, nanoseconds{46'080});
-  SpinningLidar lidar({}, pattern, plan_of(pattern), turning(), 1, "lidar");
+  SpinningLidar lidar({}, pattern, plan_of(pattern), spinning_head_turning(), 1, "lidar");
   std::vector<LidarFiring> firings;
   room.scene.begin_slice(kStart, t1, Vector3d::Zero(), {});
   lidar.cast(room.scene, {kStart, t1, still(0, 0, 0), still(0, 0, 0)}, nullptr, firings, nullptr);
   const std::uint64_t rays = lidar.rays();
-  LidarCommand command = turning();
+  LidarCommand command = spinning_head_turning();
   command.laser_on = false;
   lidar.command(t1, command);
   room.scene.begin_slice(t1, t2, Vector3d::Zero(), {});
@@ -239,7 +238,7 @@ TEST(SpinningHead, WithTheLaserOffFiringsAreThereAndEmpty) {
   ASSERT_EQ(firings.size(), 217U);
   for (const LidarFiring& firing : firings) {
     ASSERT_EQ(firing.strongest, BankReturns{});
-    EXPECT_EQ(firing.rotor_rate_radps, kRate) << "the motor turns on";
+    EXPECT_EQ(firing.rotor_rate_radps, kSpinningHeadRate) << "the motor turns on";
   }
   EXPECT_EQ(lidar.rays(), rays);
 }
@@ -265,7 +264,8 @@ TEST(SpinningHead, AStandingRotorLooksAtOnePlace) {
 TEST(SpinningHead, AzimuthWrapsWithoutAStepInWhatIsSeen) {
   Room room;
   const LidarPattern pattern = head(32, nanoseconds{46'080});
-  SpinningLidar lidar({.range_sigma_m = 0.0}, pattern, plan_of(pattern), turning(), 1, "lidar");
+  SpinningLidar lidar({.range_sigma_m = 0.0}, pattern, plan_of(pattern), spinning_head_turning(), 1,
+                      "lidar");
   const SimTime t0 = kStart + milliseconds{90};
   const SimTime t1 = kStart + milliseconds{110};
   room.scene.begin_slice(t0, t1, Vector3d::Zero(), {});
@@ -274,7 +274,7 @@ TEST(SpinningHead, AzimuthWrapsWithoutAStepInWhatIsSeen) {
   int wraps = 0;
   for (std::size_t k = 1; k < firings.size(); ++k) {
     const double step = firings[k].rotor_azimuth_rad - firings[k - 1].rotor_azimuth_rad;
-    EXPECT_NEAR(std::remainder(step, kTurn), kRate * 46.08e-6, 1e-12);
+    EXPECT_NEAR(std::remainder(step, kTurn), kSpinningHeadRate * 46.08e-6, 1e-12);
     if (step < 0.0) {
       ++wraps;
       for (std::size_t i = 0; i < kBankLasers; ++i) {
@@ -287,14 +287,14 @@ TEST(SpinningHead, AzimuthWrapsWithoutAStepInWhatIsSeen) {
 
 TEST(SpinningHead, RefusesHeadsAndCommandsThatMakeNoSense) {
   LidarPattern pattern = head(128, nanoseconds{53'300});
-  LidarCommand command = turning();
+  LidarCommand command = spinning_head_turning();
   command.view_start_rad = std::nan("");
   EXPECT_THROW(SpinningLidar({}, pattern, plan_of(pattern), command, 1, "x"),
                std::invalid_argument);
-  SpinningLidar lidar({}, pattern, plan_of(pattern), turning(), 1, "x");
+  SpinningLidar lidar({}, pattern, plan_of(pattern), spinning_head_turning(), 1, "x");
   EXPECT_THROW(lidar.command(kStart, command), std::invalid_argument);
   pattern.lasers.push_back(pattern.lasers.front());
-  EXPECT_THROW(SpinningLidar({}, pattern, plan_of(pattern), turning(), 1, "x"),
+  EXPECT_THROW(SpinningLidar({}, pattern, plan_of(pattern), spinning_head_turning(), 1, "x"),
                std::invalid_argument);
 }
 

@@ -1,4 +1,5 @@
 #include "sim/lidar/spinning_lidar.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -18,10 +19,9 @@ using Eigen::Vector3d;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kRate = 10.0 * kTurn;
+constexpr double kSpinningLidarRate = 10.0 * kTurn;
 
-LidarPattern pattern() {
+LidarPattern spinning_lidar_pattern() {
   LidarPattern result;
   for (int i = 0; i < 32; ++i) {
     result.lasers.push_back({.elevation_rad = (-30.67 + 4.0 / 3.0 * ((i * 7) % 32)) * kTurn / 360.0,
@@ -38,7 +38,7 @@ SamplePlan plan() {
   return {kStart + nanoseconds{46080}, nanoseconds{46080}};
 }
 
-LidarCommand turning(double rate_radps = kRate) {
+LidarCommand spinning_lidar_turning(double rate_radps = kSpinningLidarRate) {
   LidarCommand command;
   command.rotor_rate_radps = rate_radps;
   return command;
@@ -50,7 +50,7 @@ SpinningLidarParameters exact() {
   return parameters;
 }
 
-LinkMotion still(double x, double y, double z) {
+LinkMotion spinning_lidar_still(double x, double y, double z) {
   LinkMotion motion;
   motion.X_WL.translation() << x, y, z;
   return motion;
@@ -67,28 +67,30 @@ HeightField flat(double height) {
 }
 
 /// The ray of one shot by the definition, in double.
-struct Shot {
+struct SpinningLidarShot {
   Vector3d start_S;
   Vector3d direction_S;
 };
-Shot shot(const LidarPattern& head, std::size_t laser, SimTime firing) {
+SpinningLidarShot shot(const LidarPattern& head, std::size_t laser, SimTime firing) {
   const double time = to_seconds(firing + head.lasers[laser].time_offset);
-  const double a = kRate * time;
+  const double a = kSpinningLidarRate * time;
   const double w = head.lasers[laser].elevation_rad;
   return {{0.0, 0.0, head.lasers[laser].vertical_offset_m},
           {std::cos(w) * std::cos(a), -std::cos(w) * std::sin(a), std::sin(w)}};
 }
 
-Material white() {
+Material spinning_lidar_white() {
   return {.reflectance = 0.9, .label = "white"};
 }
 
 TEST(SpinningLidar, FiringsFollowThePlanWhateverTheSlices) {
   Scene scene;
-  scene.add_terrain(flat(0.0), white());
-  SpinningLidar whole(exact(), pattern(), plan(), turning(), 1, "lidar");
-  SpinningLidar sliced(exact(), pattern(), plan(), turning(), 1, "lidar");
-  const LinkMotion mount = still(0.0, 0.0, 3.0);
+  scene.add_terrain(flat(0.0), spinning_lidar_white());
+  SpinningLidar whole(exact(), spinning_lidar_pattern(), plan(), spinning_lidar_turning(), 1,
+                      "lidar");
+  SpinningLidar sliced(exact(), spinning_lidar_pattern(), plan(), spinning_lidar_turning(), 1,
+                       "lidar");
+  const LinkMotion mount = spinning_lidar_still(0.0, 0.0, 3.0);
   const SimTime end = kStart + milliseconds{20};
   std::vector<LidarFiring> expected;
   scene.begin_slice(kStart, end, Vector3d::Zero(), {});
@@ -115,24 +117,24 @@ TEST(SpinningLidar, FiringsFollowThePlanWhateverTheSlices) {
 
 TEST(SpinningLidar, EveryLaserMeetsThePlaneOfItsOwnInstantFromAMovingTurningSensor) {
   Scene scene;
-  scene.add_terrain(flat(0.0), white());
+  scene.add_terrain(flat(0.0), spinning_lidar_white());
   const auto wall = scene.add_mesh(make_box("wall", {0.2, 400.0, 40.0}));
   Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
   X_WM.translation() << 20.1, 0.0, 0.0;
-  scene.add_object(wall, X_WM, 1.0, white());
+  scene.add_object(wall, X_WM, 1.0, spinning_lidar_white());
   const SimTime t0 = kStart + milliseconds{100};
   const SimTime t1 = kStart + milliseconds{110};
   const Vector3d velocity(3.0, -5.0, 0.4);
   const double yaw_rate = 1.05;
-  LinkMotion a = still(0.0, 0.0, 3.0);
+  LinkMotion a = spinning_lidar_still(0.0, 0.0, 3.0);
   a.v_WL_W = velocity;
   a.w_WL_W = {0.0, 0.0, yaw_rate};
   LinkMotion b = a;
   b.X_WL.translation() += 0.01 * velocity;
   b.X_WL.linear() = Eigen::AngleAxisd(0.01 * yaw_rate, Vector3d::UnitZ()).toRotationMatrix();
   scene.begin_slice(t0, t1, Vector3d::Zero(), {});
-  const LidarPattern head = pattern();
-  SpinningLidar lidar(exact(), head, plan(), turning(), 1, "lidar");
+  const LidarPattern head = spinning_lidar_pattern();
+  SpinningLidar lidar(exact(), head, plan(), spinning_lidar_turning(), 1, "lidar");
   std::vector<LidarFiring> firings;
   lidar.cast(scene, {t0, t1, a, b}, nullptr, firings, nullptr);
   ASSERT_GT(firings.size(), 200U);
@@ -143,7 +145,7 @@ TEST(SpinningLidar, EveryLaserMeetsThePlaneOfItsOwnInstantFromAMovingTurningSens
       const double age = to_seconds(firing.time + head.lasers[j].time_offset - t0);
       const Eigen::Matrix3d R_WS =
           Eigen::AngleAxisd(yaw_rate * age, Vector3d::UnitZ()).toRotationMatrix();
-      const Shot ray = shot(head, j, firing.time);
+      const SpinningLidarShot ray = shot(head, j, firing.time);
       const Vector3d p = Vector3d(0.0, 0.0, 3.0) + age * velocity + R_WS * ray.start_S;
       const Vector3d d = R_WS * ray.direction_S;
       double truth = std::numeric_limits<double>::infinity();
@@ -172,22 +174,22 @@ TEST(SpinningLidar, SeesTheMachinesOwnLinkWhereItIsAtTheShot) {
   Scene scene;
   const auto mesh = scene.add_mesh(make_box("boom", {1.0, 40.0, 40.0}));
   const auto body = scene.add_body("boom");
-  scene.add_body_part(body, mesh, Eigen::Isometry3d::Identity(), white());
+  scene.add_body_part(body, mesh, Eigen::Isometry3d::Identity(), spinning_lidar_white());
   const SimTime t0 = kStart;
   const SimTime t1 = kStart + milliseconds{5};
   BodyMotion motion;
   motion.X_WB_start.translation() << 4.5, 0.0, 0.0;
   motion.X_WB_end.translation() << 5.5, 0.0, 0.0;
   scene.begin_slice(t0, t1, Vector3d::Zero(), std::vector{motion});
-  const LidarPattern head = pattern();
-  SpinningLidar lidar(exact(), head, plan(), turning(), 1, "lidar");
+  const LidarPattern head = spinning_lidar_pattern();
+  SpinningLidar lidar(exact(), head, plan(), spinning_lidar_turning(), 1, "lidar");
   std::vector<LidarFiring> firings;
-  const LinkMotion mount = still(0.0, 0.0, 0.0);
+  const LinkMotion mount = spinning_lidar_still(0.0, 0.0, 0.0);
   lidar.cast(scene, {t0, t1, mount, mount}, nullptr, firings, nullptr);
   for (const LidarFiring& firing : firings) {
     for (std::size_t j = 0; j < head.lasers.size(); ++j) {
       const double share = to_seconds(firing.time + head.lasers[j].time_offset - t0) / 5e-3;
-      const Shot ray = shot(head, j, firing.time);
+      const SpinningLidarShot ray = shot(head, j, firing.time);
       const double truth = (4.0 + std::min(share, 1.0)) / ray.direction_S.x();
       ASSERT_NEAR(firing.strongest[j].range_m, truth, 1e-3) << "laser " << j;
     }
@@ -205,12 +207,13 @@ TEST(SpinningLidar, FaintSurfacesVanishAtTheirOwnRange) {
     scene.add_object(wall, X_WM, 1.0, {.reflectance = reflectance, .label = "wall"});
     const SimTime t1 = kStart + milliseconds{1};
     scene.begin_slice(kStart, t1, Vector3d::Zero(), {});
-    LidarPattern head = pattern();
+    LidarPattern head = spinning_lidar_pattern();
     head.lasers.resize(1);
     head.lasers[0] = {.elevation_rad = 0.0, .vertical_offset_m = 0.0, .time_offset = {}};
     SpinningLidar lidar(exact(), head, plan(), LidarCommand{}, 1, "lidar");
     std::vector<LidarFiring> firings;
-    lidar.cast(scene, {kStart, t1, still(0, 0, 0), still(0, 0, 0)}, nullptr, firings, nullptr);
+    lidar.cast(scene, {kStart, t1, spinning_lidar_still(0, 0, 0), spinning_lidar_still(0, 0, 0)},
+               nullptr, firings, nullptr);
     return firings.front().strongest[0];
   };
   EXPECT_NEAR(range_of(0.9, 99.0).range_m, 99.0, 1e-3);
@@ -227,10 +230,11 @@ TEST(SpinningLidar, ReflectivityFallsWithTheIncidenceAsOfARoughSurface) {
   scene.add_terrain(flat(0.0), {.reflectance = 0.5, .label = "ground"});
   const SimTime t1 = kStart + milliseconds{1};
   scene.begin_slice(kStart, t1, Vector3d::Zero(), {});
-  const LidarPattern head = pattern();
-  SpinningLidar lidar(exact(), head, plan(), turning(), 1, "lidar");
+  const LidarPattern head = spinning_lidar_pattern();
+  SpinningLidar lidar(exact(), head, plan(), spinning_lidar_turning(), 1, "lidar");
   std::vector<LidarFiring> firings;
-  lidar.cast(scene, {kStart, t1, still(0, 0, 2), still(0, 0, 2)}, nullptr, firings, nullptr);
+  lidar.cast(scene, {kStart, t1, spinning_lidar_still(0, 0, 2), spinning_lidar_still(0, 0, 2)},
+             nullptr, firings, nullptr);
   std::size_t echoes = 0;
   for (std::size_t j = 0; j < head.lasers.size(); ++j) {
     if (firings[0].strongest[j].range_m > 0.0F) {
@@ -250,14 +254,17 @@ TEST(SpinningLidar, ThreadsDoNotChangeAnything) {
   for (const int threads : {1, 2, 5}) {
     SpinningLidarParameters parameters;
     parameters.threads = threads;
-    SpinningLidar lidar(parameters, pattern(), plan(), turning(), 7, "lidar");
+    SpinningLidar lidar(parameters, spinning_lidar_pattern(), plan(), spinning_lidar_turning(), 7,
+                        "lidar");
     std::vector<LidarFiring> all;
     std::vector<LidarFiring> part;
     for (int ms = 0; ms < 100; ms += 5) {
       const SimTime t0 = kStart + milliseconds{ms};
       const SimTime t1 = t0 + milliseconds{5};
       built.scene->begin_slice(t0, t1, Vector3d::Zero(), {});
-      lidar.cast(*built.scene, {t0, t1, still(0, 0, 3), still(0, 0, 3)}, nullptr, part, nullptr);
+      lidar.cast(*built.scene,
+                 {t0, t1, spinning_lidar_still(0, 0, 3), spinning_lidar_still(0, 0, 3)}, nullptr,
+                 part, nullptr);
       all.insert(all.end(), part.begin(), part.end());
     }
     results.push_back(std::move(all));
@@ -272,18 +279,20 @@ TEST(SpinningLidar, ThreadsDoNotChangeAnything) {
 
 TEST(SpinningLidar, RangeNoiseHasItsDeviationAndIsReproducible) {
   Scene scene;
-  scene.add_terrain(flat(0.0), white());
+  scene.add_terrain(flat(0.0), spinning_lidar_white());
   SpinningLidarParameters noisy;
   noisy.range_sigma_m = 0.02;
-  const LidarPattern head = pattern();
+  const LidarPattern head = spinning_lidar_pattern();
   const SimTime t1 = kStart + milliseconds{200};
   scene.begin_slice(kStart, t1, Vector3d::Zero(), {});
   std::vector<LidarFiring> truth;
   std::vector<LidarFiring> measured;
-  SpinningLidar(exact(), head, plan(), turning(), 3, "a")
-      .cast(scene, {kStart, t1, still(0, 0, 3), still(0, 0, 3)}, nullptr, truth, nullptr);
-  SpinningLidar(noisy, head, plan(), turning(), 3, "a")
-      .cast(scene, {kStart, t1, still(0, 0, 3), still(0, 0, 3)}, nullptr, measured, nullptr);
+  SpinningLidar(exact(), head, plan(), spinning_lidar_turning(), 3, "a")
+      .cast(scene, {kStart, t1, spinning_lidar_still(0, 0, 3), spinning_lidar_still(0, 0, 3)},
+            nullptr, truth, nullptr);
+  SpinningLidar(noisy, head, plan(), spinning_lidar_turning(), 3, "a")
+      .cast(scene, {kStart, t1, spinning_lidar_still(0, 0, 3), spinning_lidar_still(0, 0, 3)},
+            nullptr, measured, nullptr);
   double sum = 0.0;
   double squares = 0.0;
   double count = 0.0;
@@ -341,15 +350,18 @@ TEST(CounterNoise, AMillionLanesAreNormal) {
 TEST(SpinningLidar, RefusesNonsense) {
   SpinningLidarParameters parameters;
   parameters.threads = 0;
-  EXPECT_THROW(SpinningLidar(parameters, pattern(), plan(), turning(), 1, "x"),
-               std::invalid_argument);
+  EXPECT_THROW(
+      SpinningLidar(parameters, spinning_lidar_pattern(), plan(), spinning_lidar_turning(), 1, "x"),
+      std::invalid_argument);
   parameters = {};
   parameters.range_sigma_m = std::nan("");
-  EXPECT_THROW(SpinningLidar(parameters, pattern(), plan(), turning(), 1, "x"),
+  EXPECT_THROW(
+      SpinningLidar(parameters, spinning_lidar_pattern(), plan(), spinning_lidar_turning(), 1, "x"),
+      std::invalid_argument);
+  EXPECT_THROW(SpinningLidar(exact(), LidarPattern{}, plan(), spinning_lidar_turning(), 1, "x"),
                std::invalid_argument);
-  EXPECT_THROW(SpinningLidar(exact(), LidarPattern{}, plan(), turning(), 1, "x"),
-               std::invalid_argument);
-  EXPECT_THROW(SpinningLidar(exact(), pattern(), SamplePlan{}, turning(), 1, "x"),
+  EXPECT_THROW(SpinningLidar(exact(), spinning_lidar_pattern(), SamplePlan{},
+                             spinning_lidar_turning(), 1, "x"),
                std::invalid_argument);
 }
 

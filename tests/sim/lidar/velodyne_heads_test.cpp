@@ -1,12 +1,12 @@
 // The statistics of public captures of real sensors, met by the models' own figures. What the
 // captures say stands here as numbers with their tolerance; where they are from, in the header.
 #include "sim/lidar/velodyne_heads.h"
+#include "fields/constants.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -19,9 +19,6 @@ namespace {
 
 using beam_test::add_board;
 using beam_test::paint;
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kDegree = kTurn / 360.0;
 
 /// What was measured of one unit.
 struct Capture {
@@ -44,7 +41,7 @@ const std::vector<Capture> kCaptures{
     {"VLS-128", 600.0, Duration{55'276}, 9.4e-3, 12.9e-3, 6.4e-3, 8.4e-3, 0.37, 5.7, 0.03},
 };
 
-LidarCommand turning(double rpm) {
+LidarCommand velodyne_heads_turning(double rpm) {
   LidarCommand command;
   command.rotor_rate_radps = rpm / 60.0 * kTurn;
   return command;
@@ -143,7 +140,7 @@ TEST(VelodyneHeads, NoiseAndBiasTogetherKeepTheDataSheetsAccuracy) {
 
 /// Azimuths as sent, in counts, from turn to turn.
 std::vector<double> azimuth_counts(const Capture& real, int count, std::uint64_t unit = 1) {
-  Rotor rotor(turning(real.rpm), velodyne_head(real.model).rotor, unit, "lidar");
+  Rotor rotor(velodyne_heads_turning(real.rpm), velodyne_head(real.model).rotor, unit, "lidar");
   std::vector<double> counts;
   double turns = 0.0;
   for (int i = 1; i <= count; ++i) {
@@ -206,8 +203,9 @@ TEST(VelodyneHeads, UnitsTurnAtSpeedsOfTheirOwnNearTheSetOne) {
   std::vector<double> rpm;
   for (std::uint64_t unit = 1; unit <= 200; ++unit) {
     const std::vector<double> counts = azimuth_counts(vlp, 3616, unit);
-    const double seconds = to_seconds(vlp.firing_period) * static_cast<double>(counts.size() - 1);
-    rpm.push_back((counts.back() - counts.front()) / 36'000.0 / seconds * 60.0);
+    const double velodyne_heads_seconds =
+        to_seconds(vlp.firing_period) * static_cast<double>(counts.size() - 1);
+    rpm.push_back((counts.back() - counts.front()) / 36'000.0 / velodyne_heads_seconds * 60.0);
   }
   // The captures' 599.08, 599.95, 600.12 and 599.90 rpm: spread 0.46 of four.
   EXPECT_NEAR(spread(rpm), 0.45, 3.0 * 0.45 / std::sqrt(400.0));

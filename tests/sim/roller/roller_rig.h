@@ -3,8 +3,8 @@
 
 #include <chrono>
 #include <cmath>
-#include <numbers>
 
+#include "fields/constants.h"
 #include "sim/roller/tandem_roller.h"
 
 namespace rigwire::sim::test {
@@ -12,7 +12,6 @@ namespace rigwire::sim::test {
 using namespace std::chrono_literals;
 
 inline constexpr double kGravity = 9.80665;
-inline constexpr double kDegree = std::numbers::pi / 180.0;
 
 inline SoilParameters surface(double friction) {
   SoilParameters soil;

@@ -18,8 +18,8 @@ using Eigen::Vector3d;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr SimTime kT0 = kStart;
-constexpr SimTime kT1 = kStart + std::chrono::milliseconds{1};
+constexpr SimTime kFixedAndMovingT0 = kStart;
+constexpr SimTime kFixedAndMovingT1 = kStart + std::chrono::milliseconds{1};
 
 Isometry3d at(const Vector3d& p) {
   Isometry3d X = Isometry3d::Identity();
@@ -47,10 +47,11 @@ TEST(FixedAndMoving, PartsOfAModelHaveTheirOwnMaterialAndOneName) {
   for (const double offset : {0.0, 10e3, 1000e3}) {
     const Vector3d foot(offset + 10.0, -offset, 0.0);
     const auto pole = scene.add_model_object(model, at(foot), 1.0, "sign");
-    scene.begin_slice(kT0, kT1, foot, {});
-    const auto low = scene.cast({foot.x() - 10.0, foot.y(), 1.0}, Vector3d::UnitX(), 0, 50, kT0);
-    const auto high =
-        scene.cast({foot.x() - 10.0, foot.y() + 0.3, 2.6}, Vector3d::UnitX(), 0, 50, kT0);
+    scene.begin_slice(kFixedAndMovingT0, kFixedAndMovingT1, foot, {});
+    const auto low =
+        scene.cast({foot.x() - 10.0, foot.y(), 1.0}, Vector3d::UnitX(), 0, 50, kFixedAndMovingT0);
+    const auto high = scene.cast({foot.x() - 10.0, foot.y() + 0.3, 2.6}, Vector3d::UnitX(), 0, 50,
+                                 kFixedAndMovingT0);
     ASSERT_TRUE(low && high);
     EXPECT_EQ(low->instance, pole);
     EXPECT_EQ(high->instance, pole + 1);
@@ -74,7 +75,7 @@ TEST(FixedAndMoving, PacketsMeetWhatSingleRaysMeet) {
   scene.add_body_part(body, scene.add_mesh(make_box("boom", {2, 2, 2})), Isometry3d::Identity(),
                       {.reflectance = 0.5, .label = "boom"});
   const std::vector<BodyMotion> motion{{at({3, 3, 1}), at({3, 3, 1})}};
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), motion);
+  scene.begin_slice(kFixedAndMovingT0, kFixedAndMovingT1, Vector3d::Zero(), motion);
   const Scene::Internals& in = scene.internals();
   const FlushDenormals flush;
   RTCIntersectContext context;
@@ -104,7 +105,7 @@ TEST(FixedAndMoving, PacketsMeetWhatSingleRaysMeet) {
     }
     in.intersect(valid.data(), context, packet);
     for (std::size_t i = 0; i < 8; ++i) {
-      const auto hit = scene.cast(p, directions[i], 0.0, 60.0, kT0);
+      const auto hit = scene.cast(p, directions[i], 0.0, 60.0, kFixedAndMovingT0);
       const unsigned number = surface_number(packet.hit.instID[0][i], packet.hit.geomID[i]);
       ASSERT_EQ(hit.has_value(), number != RTC_INVALID_GEOMETRY_ID);
       if (hit) {
@@ -124,17 +125,21 @@ TEST(FixedAndMoving, ThingsAddedBetweenSlicesAndFarMovesAreSeen) {
   Scene scene;
   const auto cube = scene.add_mesh(make_box("cube", {2, 2, 2}));
   scene.add_object(cube, at({10, 0, 0}), 1.0, {}, "first");
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
-  EXPECT_NEAR(scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0, 50, kT0)->range_m, 9.0, 1e-5);
+  scene.begin_slice(kFixedAndMovingT0, kFixedAndMovingT1, Vector3d::Zero(), {});
+  EXPECT_NEAR(scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0, 50, kFixedAndMovingT0)->range_m,
+              9.0, 1e-5);
   const auto second = scene.add_object(cube, at({5, 0, 0}), 1.0, {});
-  scene.begin_slice(kT1, kT1 + std::chrono::milliseconds{1}, Vector3d::Zero(), {});
-  const auto hit = scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0, 50, kT1);
+  scene.begin_slice(kFixedAndMovingT1, kFixedAndMovingT1 + std::chrono::milliseconds{1},
+                    Vector3d::Zero(), {});
+  const auto hit = scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0, 50, kFixedAndMovingT1);
   EXPECT_NEAR(hit->range_m, 4.0, 1e-5);
   EXPECT_EQ(hit->instance, second);
   EXPECT_EQ(scene.name(second), "cube") << "the mesh's name where no other is given";
   EXPECT_EQ(scene.name(0), "first");
-  scene.begin_slice(kT1, kT1 + std::chrono::milliseconds{2}, {200.0, 0.0, 0.0}, {});
-  EXPECT_NEAR(scene.cast({200, 0, 0}, -Vector3d::UnitX(), 0, 500, kT1)->range_m, 189.0, 1e-4);
+  scene.begin_slice(kFixedAndMovingT1, kFixedAndMovingT1 + std::chrono::milliseconds{2},
+                    {200.0, 0.0, 0.0}, {});
+  EXPECT_NEAR(scene.cast({200, 0, 0}, -Vector3d::UnitX(), 0, 500, kFixedAndMovingT1)->range_m,
+              189.0, 1e-4);
 }
 
 TEST(FixedAndMoving, AThingIsMetAlikeWhereItStandsOrIsCarried) {
@@ -163,7 +168,7 @@ TEST(FixedAndMoving, AThingIsMetAlikeWhereItStandsOrIsCarried) {
         scene.add_object(box, poses[i], 1.0, {});
       }
     }
-    scene.begin_slice(kT0, kT1, Vector3d::Zero(), ways[way].motions);
+    scene.begin_slice(kFixedAndMovingT0, kFixedAndMovingT1, Vector3d::Zero(), ways[way].motions);
   }
   RandomStream random(8, "rays");
   int met = 0;
@@ -171,10 +176,10 @@ TEST(FixedAndMoving, AThingIsMetAlikeWhereItStandsOrIsCarried) {
     const Vector3d p(random.uniform(-5.0, 5.0), random.uniform(-5.0, 5.0), 0.0);
     const Vector3d direction =
         Vector3d(random.gaussian(), random.gaussian(), 0.3 * random.gaussian()).normalized();
-    const auto fixed = ways[0].scene.cast(p, direction, 0.0, 100.0, kT0);
+    const auto fixed = ways[0].scene.cast(p, direction, 0.0, 100.0, kFixedAndMovingT0);
     const bool blocked = ways[0].scene.blocked(p, direction, 0.0);
     for (const std::size_t way : {1U, 2U}) {
-      const auto hit = ways[way].scene.cast(p, direction, 0.0, 100.0, kT0);
+      const auto hit = ways[way].scene.cast(p, direction, 0.0, 100.0, kFixedAndMovingT0);
       ASSERT_EQ(hit.has_value(), fixed.has_value());
       EXPECT_EQ(ways[way].scene.blocked(p, direction, 0.0), blocked);
       if (hit) {
@@ -208,15 +213,15 @@ TEST(FixedAndMoving, GroundThatIsDugHidesAndIsHiddenLikeOther) {
     if (&scene == &scenes[1]) {
       scene.make_changeable(ground);
     }
-    scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+    scene.begin_slice(kFixedAndMovingT0, kFixedAndMovingT1, Vector3d::Zero(), {});
   }
   RandomStream random(4, "rays");
   std::array<int, 2> met{};
   for (int i = 0; i < 4000; ++i) {
     const Vector3d direction =
         Vector3d(random.gaussian(), random.gaussian(), -random.uniform(0.0, 0.4)).normalized();
-    const auto whole = scenes[0].cast({0, 0, 2}, direction, 0.0, 100.0, kT0);
-    const auto tiled = scenes[1].cast({0, 0, 2}, direction, 0.0, 100.0, kT0);
+    const auto whole = scenes[0].cast({0, 0, 2}, direction, 0.0, 100.0, kFixedAndMovingT0);
+    const auto tiled = scenes[1].cast({0, 0, 2}, direction, 0.0, 100.0, kFixedAndMovingT0);
     ASSERT_EQ(whole.has_value(), tiled.has_value());
     if (whole) {
       EXPECT_EQ(whole->instance, tiled->instance);
@@ -238,10 +243,12 @@ TEST(FixedAndMoving, MoreMovingThingsThanLowNumbersKeepTheirs) {
     scene.add_object(cube, at({2.0 * i, 10, 0}), 1.0, {.reflectance = 0.2, .label = "post"});
   }
   const std::vector<BodyMotion> motion{{at({0, 3, 0}), at({0, 3, 0})}};
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), motion);
+  scene.begin_slice(kFixedAndMovingT0, kFixedAndMovingT1, Vector3d::Zero(), motion);
   for (std::uint32_t i = 0; i < kWaggons; ++i) {
-    const auto waggon = scene.cast({2.0 * i, 0, 0}, Vector3d::UnitY(), 0.0, 50.0, kT0);
-    const auto post = scene.cast({2.0 * i, 20, 0}, -Vector3d::UnitY(), 0.0, 50.0, kT0);
+    const auto waggon =
+        scene.cast({2.0 * i, 0, 0}, Vector3d::UnitY(), 0.0, 50.0, kFixedAndMovingT0);
+    const auto post =
+        scene.cast({2.0 * i, 20, 0}, -Vector3d::UnitY(), 0.0, 50.0, kFixedAndMovingT0);
     ASSERT_TRUE(waggon && post);
     ASSERT_EQ(waggon->instance, 2 * i);
     ASSERT_EQ(post->instance, 2 * i + 1);
@@ -251,8 +258,9 @@ TEST(FixedAndMoving, MoreMovingThingsThanLowNumbersKeepTheirs) {
 
 TEST(FixedAndMoving, AnEmptySceneIsEmpty) {
   Scene scene;
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
-  EXPECT_FALSE(scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0, 1e4, kT0).has_value());
+  scene.begin_slice(kFixedAndMovingT0, kFixedAndMovingT1, Vector3d::Zero(), {});
+  EXPECT_FALSE(
+      scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0, 1e4, kFixedAndMovingT0).has_value());
   EXPECT_FALSE(scene.blocked(Vector3d::Zero(), Vector3d::UnitZ(), 0.0));
 }
 

@@ -17,8 +17,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr SimTime kT0 = kStart;
-constexpr SimTime kT1 = kStart + std::chrono::milliseconds{1};
+constexpr SimTime kForestT0 = kStart;
+constexpr SimTime kForestT1 = kStart + std::chrono::milliseconds{1};
 
 SceneDescription small_forest() {
   SceneDescription description;
@@ -101,14 +101,14 @@ TEST(Forest, StemsKeepDensityAndSpacing) {
 TEST(Forest, RaysTellWoodFromLeavesAndTreesByName) {
   const BuiltScene built = build_scene(small_forest(), {}, 1);
   Scene& scene = *built.scene;
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+  scene.begin_slice(kForestT0, kForestT1, Vector3d::Zero(), {});
   RandomStream random(1, "rays");
   std::map<std::string, int> labels;
   std::set<std::string> trees;
   for (int i = 0; i < 20000; ++i) {
     const Vector3d direction =
         Vector3d(random.gaussian(), random.gaussian(), 0.4 * random.gaussian()).normalized();
-    const auto hit = scene.cast({0.0, 0.0, 2.5}, direction, 0.5, 60.0, kT0);
+    const auto hit = scene.cast({0.0, 0.0, 2.5}, direction, 0.5, 60.0, kForestT0);
     if (!hit) {
       continue;
     }
@@ -143,7 +143,7 @@ TEST(Forest, SatellitesSeeCrownsAsFoliageAndTrunksAsWalls) {
   forest.bushes_per_ha = forest.fallen_per_ha = 0.0;
   std::vector<ObstacleLook> looks;
   add_forest(forest, ground, {}, {}, 1, scene, obstacles, looks);
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+  scene.begin_slice(kForestT0, kForestT1, Vector3d::Zero(), {});
   ASSERT_EQ(obstacles.size(), 1U);
   const Vector3d stem = obstacles[0].X_WO.translation();
   // Level through the crown at half its height, beside the stem.
@@ -176,20 +176,20 @@ TEST(Forest, NothingGrowsAtDensityZero) {
   forest.density_per_ha = forest.bushes_per_ha = forest.fallen_per_ha = 0.0;
   const BuiltScene built = build_scene(description, {}, 1);
   EXPECT_EQ(built.scene->instance_count(), 1U) << "the ground alone";
-  built.scene->begin_slice(kT0, kT1, Vector3d::Zero(), {});
+  built.scene->begin_slice(kForestT0, kForestT1, Vector3d::Zero(), {});
   EXPECT_EQ(built.scene->sky_path({0, 0, 1}, Vector3d::UnitZ(), 0.05).foliage_m, 0.0);
 }
 
 TEST(Forest, SameSeedSameHits) {
   const auto ranges = [](std::uint64_t seed) {
     const BuiltScene built = build_scene(small_forest(), {}, seed);
-    built.scene->begin_slice(kT0, kT1, Vector3d::Zero(), {});
+    built.scene->begin_slice(kForestT0, kForestT1, Vector3d::Zero(), {});
     RandomStream random(9, "rays");
     std::vector<double> found;
     for (int i = 0; i < 2000; ++i) {
       const Vector3d direction =
           Vector3d(random.gaussian(), random.gaussian(), random.gaussian()).normalized();
-      const auto hit = built.scene->cast({0, 0, 2.5}, direction, 0.5, 60.0, kT0);
+      const auto hit = built.scene->cast({0, 0, 2.5}, direction, 0.5, 60.0, kForestT0);
       found.push_back(hit ? hit->range_m : 0.0);
     }
     return found;

@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr SimTime kT0 = kStart;
-constexpr SimTime kT1 = kStart + std::chrono::milliseconds{1};
+constexpr SimTime kSceneDisplacedT0 = kStart;
+constexpr SimTime kSceneDisplacedT1 = kStart + std::chrono::milliseconds{1};
 
 Isometry3d tipped_north(const Vector3d& foot, double angle_rad) {
   return Eigen::Translation3d(foot) * Eigen::AngleAxisd(-angle_rad, Vector3d::UnitX()) *
@@ -41,7 +41,7 @@ BuiltScene two_trees() {
 
 /// Range to what is met level at z, from the south, above x.
 std::optional<SceneHit> from_south(const Scene& scene, double x, double z) {
-  return scene.cast({x, -30.0, z}, Vector3d::UnitY(), 0.1, 100.0, kT0);
+  return scene.cast({x, -30.0, z}, Vector3d::UnitY(), 0.1, 100.0, kSceneDisplacedT0);
 }
 
 TEST(SceneDisplaced, ATreeOfAFieldFallsAloneAndIsMetWhereItLies) {
@@ -52,7 +52,7 @@ TEST(SceneDisplaced, ATreeOfAFieldFallsAloneAndIsMetWhereItLies) {
   const Vector3d fallen = built.obstacles[0].foot_W();
   const Vector3d other = built.obstacles[1].foot_W();
   const Vector3d ground(fallen.x(), fallen.y(), 0.0);
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+  scene.begin_slice(kSceneDisplacedT0, kSceneDisplacedT1, Vector3d::Zero(), {});
   const auto twin = scene.twin();
   const auto before = from_south(scene, fallen.x(), 1.0);
   ASSERT_TRUE(before);
@@ -63,31 +63,32 @@ TEST(SceneDisplaced, ATreeOfAFieldFallsAloneAndIsMetWhereItLies) {
     }
   }
   EXPECT_TRUE(from_south(scene, fallen.x(), 1.0)) << "shown from the next slice on";
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
-  twin->begin_slice(kT0, kT1, scene.placement(), {});
+  scene.begin_slice(kSceneDisplacedT0, kSceneDisplacedT1, Vector3d::Zero(), {});
+  twin->begin_slice(kSceneDisplacedT0, kSceneDisplacedT1, scene.placement(), {});
   for (const Scene* seen :
        {static_cast<const Scene*>(&scene), static_cast<const Scene*>(twin.get())}) {
     EXPECT_FALSE(from_south(*seen, fallen.x(), 2.5)) << "nothing stands there any more";
     const auto still = from_south(*seen, other.x(), 1.0);
     ASSERT_TRUE(still) << "the neighbour stands";
     // From above, where the trunk lies: one radius high; its crown farther on.
-    const auto trunk =
-        seen->cast({fallen.x(), fallen.y() + 1.0, 5.0}, -Vector3d::UnitZ(), 0.1, 10.0, kT0);
+    const auto trunk = seen->cast({fallen.x(), fallen.y() + 1.0, 5.0}, -Vector3d::UnitZ(), 0.1,
+                                  10.0, kSceneDisplacedT0);
     ASSERT_TRUE(trunk);
     EXPECT_NEAR(5.0 - trunk->range_m, 0.225, 0.03);
     EXPECT_EQ(seen->label(trunk->instance), "trunk");
     EXPECT_EQ(trunk->instance, before->instance) << "the field's trunks, as before";
     EXPECT_GT(trunk->normal_W.z(), 0.8);
-    const auto crown =
-        seen->cast({fallen.x(), fallen.y() + 4.0, 5.0}, -Vector3d::UnitZ(), 0.1, 10.0, kT0);
+    const auto crown = seen->cast({fallen.x(), fallen.y() + 4.0, 5.0}, -Vector3d::UnitZ(), 0.1,
+                                  10.0, kSceneDisplacedT0);
     ASSERT_TRUE(crown);
     EXPECT_EQ(seen->label(crown->instance), "crown");
   }
   // Far away, where the scene's local origin is another one, all is the same.
-  scene.begin_slice(kT0, kT1, {0.0, 90.0, 0.0}, {});
+  scene.begin_slice(kSceneDisplacedT0, kSceneDisplacedT1, {0.0, 90.0, 0.0}, {});
   EXPECT_FALSE(from_south(scene, fallen.x(), 2.5));
   EXPECT_TRUE(from_south(scene, other.x(), 1.0));
-  EXPECT_TRUE(scene.cast({fallen.x(), fallen.y() + 1.0, 5.0}, -Vector3d::UnitZ(), 0.1, 4.9, kT0));
+  EXPECT_TRUE(scene.cast({fallen.x(), fallen.y() + 1.0, 5.0}, -Vector3d::UnitZ(), 0.1, 4.9,
+                         kSceneDisplacedT0));
 }
 
 TEST(SceneDisplaced, RadioFollowsACrownOfLeavesToWhereItLies) {
@@ -102,7 +103,7 @@ TEST(SceneDisplaced, RadioFollowsACrownOfLeavesToWhereItLies) {
   const BuiltScene built = build_scene(description, {}, 1);
   Scene& scene = *built.scene;
   ASSERT_EQ(built.obstacles.size(), 2U);
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+  scene.begin_slice(kSceneDisplacedT0, kSceneDisplacedT1, Vector3d::Zero(), {});
   const auto foliage_m = [&](const Vector3d& p, const Vector3d& way) {
     return scene.sky_path(p, way, 0.05).foliage_m;
   };
@@ -116,7 +117,7 @@ TEST(SceneDisplaced, RadioFollowsACrownOfLeavesToWhereItLies) {
       scene.displace(look.piece, tipped_north(fallen, 0.5 * std::numbers::pi));
     }
   }
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+  scene.begin_slice(kSceneDisplacedT0, kSceneDisplacedT1, Vector3d::Zero(), {});
   EXPECT_EQ(foliage_m(fallen + Vector3d(0.6, -30.0, 11.0), Vector3d::UnitY()), 0.0);
   EXPECT_GT(foliage_m(fallen + Vector3d(0.6, 11.0, -0.1), Vector3d::UnitZ()), 0.05);
   EXPECT_GT(foliage_m(built.obstacles[1].foot_W() + Vector3d(0.6, -30.0, 11.0), Vector3d::UnitY()),

@@ -14,11 +14,11 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr SimTime kT0 = kStart;
-constexpr SimTime kT1 = kStart + std::chrono::milliseconds{1};
+constexpr SimTime kSceneSkyT0 = kStart;
+constexpr SimTime kSceneSkyT1 = kStart + std::chrono::milliseconds{1};
 constexpr double kClearance_m = 0.05;
 
-Isometry3d at(const Vector3d& p) {
+Isometry3d scene_sky_at(const Vector3d& p) {
   Isometry3d X = Isometry3d::Identity();
   X.translation() = p;
   return X;
@@ -32,11 +32,11 @@ class SceneSky : public testing::Test {
  protected:
   SceneSky() {
     const auto cube = scene.add_mesh(make_box("cube", {4.0, 4.0, 4.0}));
-    scene.add_object(cube, at({10.0, 0.0, 0.0}), 1.0, kLeaves);
-    scene.add_object(cube, at({12.0, 0.0, 0.0}), 1.0, kLeaves);
+    scene.add_object(cube, scene_sky_at({10.0, 0.0, 0.0}), 1.0, kLeaves);
+    scene.add_object(cube, scene_sky_at({12.0, 0.0, 0.0}), 1.0, kLeaves);
     const auto wall = scene.add_mesh(make_box("wall", {1.0, 2.0, 2.0}));
-    scene.add_object(wall, at({30.0, 0.0, 0.0}), 1.0, kWall);
-    scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+    scene.add_object(wall, scene_sky_at({30.0, 0.0, 0.0}), 1.0, kWall);
+    scene.begin_slice(kSceneSkyT0, kSceneSkyT1, Vector3d::Zero(), {});
   }
   Scene scene;
 };
@@ -84,10 +84,10 @@ TEST_F(SceneSky, CrownsBlockLightButReflectNoSignal) {
 TEST(SceneSkyOfBodies, TheMachinesOwnBodyStandsInTheWay) {
   Scene scene;
   const auto body = scene.add_body("cab");
-  scene.add_body_part(body, scene.add_mesh(make_box("cab", {2.0, 2.0, 2.0})), at({0.0, 0.0, 3.0}),
-                      kWall);
+  scene.add_body_part(body, scene.add_mesh(make_box("cab", {2.0, 2.0, 2.0})),
+                      scene_sky_at({0.0, 0.0, 3.0}), kWall);
   const BodyMotion here;
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {&here, 1});
+  scene.begin_slice(kSceneSkyT0, kSceneSkyT1, Vector3d::Zero(), {&here, 1});
   EXPECT_TRUE(scene.sky_path({0.1, 0.2, 0.0}, Vector3d::UnitZ(), kClearance_m).blocked);
   EXPECT_FALSE(scene.sky_path({0.1, 0.2, 0.0}, Vector3d::UnitX(), kClearance_m).blocked);
 }
@@ -104,7 +104,7 @@ TEST(SceneSkyOfForest, CrownPathsEqualMarchingThroughTheMesh) {
   description.trees.push_back(field);
   const BuiltScene built = build_scene(description, {}, 1);
   Scene& scene = *built.scene;
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+  scene.begin_slice(kSceneSkyT0, kSceneSkyT1, Vector3d::Zero(), {});
   RandomStream random(5, "sky");
   double sum_m = 0.0;
   for (int i = 0; i < 20; ++i) {

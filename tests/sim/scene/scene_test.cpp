@@ -19,8 +19,8 @@ using testing::HasSubstr;
 using testing::Property;
 using testing::ThrowsMessage;
 
-constexpr SimTime kT0 = kStart + milliseconds{10};
-constexpr SimTime kT1 = kStart + milliseconds{20};
+constexpr SimTime kSceneT0 = kStart + milliseconds{10};
+constexpr SimTime kSceneT1 = kStart + milliseconds{20};
 
 Isometry3d at(double x, double y, double z) {
   Isometry3d X = Isometry3d::Identity();
@@ -56,7 +56,7 @@ TEST(Scene, PlaneRangeEqualsTheClosedFormFarFromTheMapOrigin) {
     const Vector3d centre(offset, -0.5 * offset, 300.0);
     Scene scene;
     scene.add_terrain(flat_ground(centre), {});
-    scene.begin_slice(kT0, kT1, centre, {});
+    scene.begin_slice(kSceneT0, kSceneT1, centre, {});
     RandomStream random(2, "plane");
     double worst = 0.0;
     for (int i = 0; i < 20000; ++i) {
@@ -65,7 +65,7 @@ TEST(Scene, PlaneRangeEqualsTheClosedFormFarFromTheMapOrigin) {
       direction.normalize();
       const Vector3d p = centre + Vector3d(0.123, 0.456, 2.5);
       const double truth = -2.5 / direction.z();
-      const auto hit = scene.cast(p, direction, 0.1, 200.0, kT0);
+      const auto hit = scene.cast(p, direction, 0.1, 200.0, kSceneT0);
       ASSERT_TRUE(hit.has_value()) << "leak at offset " << offset;
       worst = std::max(worst, std::abs(hit->range_m - truth));
     }
@@ -78,14 +78,14 @@ TEST(Scene, BoxHitHasRangeNormalAndMaterial) {
   const auto mesh = scene.add_mesh(make_box("box", {2.0, 4.0, 6.0}));
   const auto id =
       scene.add_object(mesh, at(10.0, 0.0, 0.0), 1.0, {.reflectance = 0.7, .label = "truck"});
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
-  const auto hit = scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0.0, 100.0, kT0);
+  scene.begin_slice(kSceneT0, kSceneT1, Vector3d::Zero(), {});
+  const auto hit = scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0.0, 100.0, kSceneT0);
   ASSERT_TRUE(hit.has_value());
   EXPECT_NEAR(hit->range_m, 9.0, 1e-5);
   EXPECT_NEAR((hit->normal_W + Vector3d::UnitX()).norm(), 0.0, 1e-6);
   EXPECT_EQ(hit->instance, id);
   EXPECT_EQ(scene.material(id).label, "truck");
-  EXPECT_FALSE(scene.cast(Vector3d::Zero(), Vector3d::UnitY(), 0.0, 100.0, kT0).has_value());
+  EXPECT_FALSE(scene.cast(Vector3d::Zero(), Vector3d::UnitY(), 0.0, 100.0, kSceneT0).has_value());
 }
 
 TEST(Scene, ScaledRotatedObjectKeepsItsNormal) {
@@ -94,8 +94,8 @@ TEST(Scene, ScaledRotatedObjectKeepsItsNormal) {
   Isometry3d X_WM = at(10.0, 0.0, 0.0);
   X_WM.linear() = Eigen::AngleAxisd(std::numbers::pi / 4, Vector3d::UnitZ()).toRotationMatrix();
   scene.add_object(mesh, X_WM, 4.0, {});
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
-  const auto hit = scene.cast({0.0, 0.5, 0.0}, Vector3d::UnitX(), 0.0, 100.0, kT0);
+  scene.begin_slice(kSceneT0, kSceneT1, Vector3d::Zero(), {});
+  const auto hit = scene.cast({0.0, 0.5, 0.0}, Vector3d::UnitX(), 0.0, 100.0, kSceneT0);
   ASSERT_TRUE(hit.has_value());
   EXPECT_NEAR(hit->range_m, 10.0 - 2.0 * std::numbers::sqrt2 + 0.5, 1e-5);
   EXPECT_NEAR(hit->normal_W.x(), -std::numbers::sqrt2 / 2, 1e-6);
@@ -108,7 +108,7 @@ TEST(Scene, RayMeetsTheMovingBoxWhereItIsAtTheRaysTime) {
   const auto body = scene.add_body("boom");
   scene.add_body_part(body, mesh, at(1.0, 0.0, 0.0), {});
   const std::vector<BodyMotion> motion{{at(10.0, 0.0, 0.0), at(14.0, 0.0, 0.0)}};
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), motion);
+  scene.begin_slice(kSceneT0, kSceneT1, Vector3d::Zero(), motion);
   for (const int ms : {10, 12, 15, 20}) {
     const auto hit =
         scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0.0, 100.0, kStart + milliseconds{ms});
@@ -126,9 +126,9 @@ TEST(Scene, MaskHidesOneBodyAndNothingElse) {
   scene.add_body_part(stick, mesh, Isometry3d::Identity(), {});
   const std::vector<BodyMotion> motions{{at(5.0, 0.0, 0.0), at(5.0, 0.0, 0.0)},
                                         {at(9.0, 0.0, 0.0), at(9.0, 0.0, 0.0)}};
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), motions);
+  scene.begin_slice(kSceneT0, kSceneT1, Vector3d::Zero(), motions);
   const auto range = [&](std::uint32_t mask) {
-    return scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0.0, 100.0, kT0, mask)->range_m;
+    return scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0.0, 100.0, kSceneT0, mask)->range_m;
   };
   EXPECT_NEAR(range(Scene::kSeeEverything), 4.0, 1e-5);
   EXPECT_NEAR(range(~Scene::body_mask(boom)), 8.0, 1e-5);
@@ -141,7 +141,7 @@ TEST(Scene, SkyIsBlockedByTerrainAndByTheMachine) {
   const auto body = scene.add_body("cab");
   scene.add_body_part(body, mesh, Isometry3d::Identity(), {});
   const std::vector<BodyMotion> motion{{at(0.0, 0.0, 3.0), at(0.0, 0.0, 3.0)}};
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), motion);
+  scene.begin_slice(kSceneT0, kSceneT1, Vector3d::Zero(), motion);
   const Visibility& sky = scene;
   EXPECT_TRUE(sky.blocked({0.0, 0.0, 2.0}, Vector3d::UnitZ(), 0.05));
   EXPECT_FALSE(sky.blocked({5.0, 0.0, 2.0}, Vector3d::UnitZ(), 0.05));
@@ -153,7 +153,7 @@ TEST(Scene, RoughTerrainHasNoLeaksAndEqualsItsHeightFunction) {
   const HeightField ground = rough_ground();
   Scene scene;
   scene.add_terrain(ground, {});
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+  scene.begin_slice(kSceneT0, kSceneT1, Vector3d::Zero(), {});
   RandomStream random(3, "leaks");
   std::size_t leaks = 0;
   double worst = 0.0;
@@ -163,7 +163,7 @@ TEST(Scene, RoughTerrainHasNoLeaksAndEqualsItsHeightFunction) {
         i % 10 == 0 ? std::floor(random.uniform(-90.0, 90.0)) : random.uniform(-90.0, 90.0);
     const double y =
         i % 10 == 0 ? std::floor(random.uniform(-90.0, 90.0)) : random.uniform(-90.0, 90.0);
-    const auto hit = scene.cast({x, y, 5.0}, -Vector3d::UnitZ(), 0.0, 100.0, kT0);
+    const auto hit = scene.cast({x, y, 5.0}, -Vector3d::UnitZ(), 0.0, 100.0, kSceneT0);
     if (!hit.has_value()) {
       ++leaks;
       continue;
@@ -177,11 +177,11 @@ TEST(Scene, RoughTerrainHasNoLeaksAndEqualsItsHeightFunction) {
 TEST(Scene, GrazingRaysFindThePlane) {
   Scene scene;
   scene.add_terrain(flat_ground(Vector3d::Zero()), {});
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+  scene.begin_slice(kSceneT0, kSceneT1, Vector3d::Zero(), {});
   for (const double degrees : {0.5, 1.0, 2.0}) {
     const double angle = degrees * std::numbers::pi / 180.0;
-    const auto hit =
-        scene.cast({-40.0, 0.3, 1.0}, {std::cos(angle), 0.0, -std::sin(angle)}, 0.0, 200.0, kT0);
+    const auto hit = scene.cast({-40.0, 0.3, 1.0}, {std::cos(angle), 0.0, -std::sin(angle)}, 0.0,
+                                200.0, kSceneT0);
     ASSERT_TRUE(hit.has_value()) << degrees;
     EXPECT_NEAR(hit->range_m, 1.0 / std::sin(angle), 2e-3) << degrees;
   }
@@ -219,8 +219,8 @@ TEST(Scene, RefusesWhatHasNoPlaceOrNoSense) {
   hole.heights_m[7] = std::numeric_limits<double>::infinity();
   EXPECT_THAT([&] { scene.add_terrain(hole, {}); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("column 7, row 0")));
-  EXPECT_THROW(scene.begin_slice(kT1, kT0, Vector3d::Zero(), {}), std::invalid_argument);
-  EXPECT_THROW(scene.begin_slice(kT0, kT1, Vector3d::Zero(), std::vector<BodyMotion>(1)),
+  EXPECT_THROW(scene.begin_slice(kSceneT1, kSceneT0, Vector3d::Zero(), {}), std::invalid_argument);
+  EXPECT_THROW(scene.begin_slice(kSceneT0, kSceneT1, Vector3d::Zero(), std::vector<BodyMotion>(1)),
                std::invalid_argument);
 }
 
@@ -229,12 +229,12 @@ TEST(Scene, RebaseLeavesRangesAsTheyWere) {
   scene.add_terrain(flat_ground(Vector3d::Zero()), {});
   const Vector3d p(3.0, 4.0, 2.0);
   const Vector3d direction = Vector3d(1.0, 1.0, -0.2).normalized();
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
-  const double before = scene.cast(p, direction, 0.0, 100.0, kT0)->range_m;
-  scene.begin_slice(kT0, kT1, {1000.0, 0.0, 0.0}, {});
-  EXPECT_NEAR(scene.cast(p, direction, 0.0, 100.0, kT0)->range_m, before, 2e-3);
-  scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
-  EXPECT_NEAR(scene.cast(p, direction, 0.0, 100.0, kT0)->range_m, before, 1e-5);
+  scene.begin_slice(kSceneT0, kSceneT1, Vector3d::Zero(), {});
+  const double before = scene.cast(p, direction, 0.0, 100.0, kSceneT0)->range_m;
+  scene.begin_slice(kSceneT0, kSceneT1, {1000.0, 0.0, 0.0}, {});
+  EXPECT_NEAR(scene.cast(p, direction, 0.0, 100.0, kSceneT0)->range_m, before, 2e-3);
+  scene.begin_slice(kSceneT0, kSceneT1, Vector3d::Zero(), {});
+  EXPECT_NEAR(scene.cast(p, direction, 0.0, 100.0, kSceneT0)->range_m, before, 1e-5);
 }
 
 }  // namespace

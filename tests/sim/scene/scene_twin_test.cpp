@@ -15,14 +15,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-Eigen::Isometry3d at(double x, double y, double z) {
+Eigen::Isometry3d scene_twin_at(double x, double y, double z) {
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   X.translation() << x, y, z;
   return X;
 }
 
-/// Level ground of 80 m at height 0 that can be dug, a box of 2 m at (10, 0), and one body, a cube
-/// of 1 m.
+/// Level ground of 80 m scene_twin_at height 0 that can be dug, a box of 2 m scene_twin_at (10, 0),
+/// and one body, a cube of 1 m.
 struct Yard {
   Yard() {
     field.cell_m = 1.0;
@@ -30,8 +30,8 @@ struct Yard {
     field.origin_m = Eigen::Vector2d(-40.0, -40.0);
     field.heights_m.assign(field.columns * field.rows, 0.0);
     ground = scene.add_terrain(field, {});
-    box = scene.add_object(scene.add_mesh(make_box("box", {2.0, 2.0, 2.0})), at(10.0, 0.0, 1.0),
-                           1.0, {});
+    box = scene.add_object(scene.add_mesh(make_box("box", {2.0, 2.0, 2.0})),
+                           scene_twin_at(10.0, 0.0, 1.0), 1.0, {});
     body = scene.add_body("cube");
     cube = scene.add_body_part(body, scene.add_mesh(make_box("cube", {1.0, 1.0, 1.0})),
                                Eigen::Isometry3d::Identity(), {});
@@ -59,11 +59,11 @@ std::optional<SceneHit> down(const Scene& scene, double x, double y, SimTime tim
 
 TEST(SceneTwin, has_everything_fixed_and_its_bodies_where_it_is_told) {
   Yard yard;
-  yard.live(kStart, at(0.0, 0.0, 0.5));
+  yard.live(kStart, scene_twin_at(0.0, 0.0, 0.5));
   const auto twin = yard.scene.twin();
-  const BodyMotion motion{at(-5.0, 0.0, 0.5), at(-5.0, 4.0, 0.5)};
+  const BodyMotion motion{scene_twin_at(-5.0, 0.0, 0.5), scene_twin_at(-5.0, 4.0, 0.5)};
   twin->begin_slice(kStart, kStart + 100ms, yard.scene.placement(), {&motion, 1});
-  yard.live(kStart + 2ms, at(0.0, 5.0, 0.5));
+  yard.live(kStart + 2ms, scene_twin_at(0.0, 5.0, 0.5));
 
   const auto box = down(*twin, 10.0, 0.0, kStart);
   ASSERT_TRUE(box);
@@ -80,11 +80,11 @@ TEST(SceneTwin, has_everything_fixed_and_its_bodies_where_it_is_told) {
 
 TEST(SceneTwin, digs_for_itself) {
   Yard yard;
-  yard.live(kStart, at(0.0, 0.0, 0.5));
+  yard.live(kStart, scene_twin_at(0.0, 0.0, 0.5));
   const auto twin = yard.scene.twin();
   const NodeRectangle hole{18, 18, 22, 22};
   twin->update_terrain(yard.ground, hole, std::vector<double>(hole.nodes(), -2.0));
-  const BodyMotion motion{at(0.0, 0.0, 0.5), at(0.0, 0.0, 0.5)};
+  const BodyMotion motion{scene_twin_at(0.0, 0.0, 0.5), scene_twin_at(0.0, 0.0, 0.5)};
   twin->begin_slice(kStart, kStart + 1ms, yard.scene.placement(), {&motion, 1});
   EXPECT_NEAR(down(*twin, -20.0, -20.0, kStart)->range_m, 22.0, 1e-5);
   EXPECT_NEAR(down(yard.scene, -20.0, -20.0, kStart)->range_m, 20.0, 1e-5);
@@ -94,13 +94,13 @@ TEST(SceneTwin, digs_for_itself) {
 
 TEST(SceneTwin, keeps_what_it_casts_into_when_the_origin_moves) {
   Yard yard;
-  yard.live(kStart, at(0.0, 0.0, 0.5));
+  yard.live(kStart, scene_twin_at(0.0, 0.0, 0.5));
   const auto twin = yard.scene.twin();
   const ScenePlacement before = yard.scene.placement();
-  const BodyMotion motion{at(0.0, 0.0, 0.5), at(0.0, 0.0, 0.5)};
+  const BodyMotion motion{scene_twin_at(0.0, 0.0, 0.5), scene_twin_at(0.0, 0.0, 0.5)};
   twin->begin_slice(kStart, kStart + 1ms, before, {&motion, 1});
   // Far enough for another local origin.
-  yard.live(kStart + 2ms, at(0.0, 0.0, 0.5), {200.0, 0.0, 0.0});
+  yard.live(kStart + 2ms, scene_twin_at(0.0, 0.0, 0.5), {200.0, 0.0, 0.0});
   EXPECT_NE(yard.scene.placement().fixed, before.fixed);
   EXPECT_NEAR(down(*twin, 10.0, 0.0, kStart)->range_m, 18.0, 1e-5);
   EXPECT_NEAR(down(yard.scene, 10.0, 0.0, kStart + 2ms)->range_m, 18.0, 1e-4);
@@ -113,7 +113,7 @@ TEST(SceneTwin, keeps_what_it_casts_into_when_the_origin_moves) {
 
 TEST(SceneTwin, is_cast_into_while_the_live_scene_goes_on) {
   Yard yard;
-  yard.live(kStart, at(0.0, 0.0, 0.5));
+  yard.live(kStart, scene_twin_at(0.0, 0.0, 0.5));
   const auto twin = yard.scene.twin();
   std::atomic<bool> stop{false};
   std::atomic<int> wrong{0};
@@ -121,7 +121,7 @@ TEST(SceneTwin, is_cast_into_while_the_live_scene_goes_on) {
   std::thread other([&] {
     for (int round = 0; !stop; ++round) {
       const double x = -5.0 - round % 7;
-      const BodyMotion motion{at(x, 0.0, 0.5), at(x, 0.0, 0.5)};
+      const BodyMotion motion{scene_twin_at(x, 0.0, 0.5), scene_twin_at(x, 0.0, 0.5)};
       twin->begin_slice(kStart, kStart + 1ms, placement, {&motion, 1});
       for (int i = 0; i < 50; ++i) {
         const auto cube = down(*twin, x, 0.0, kStart);
@@ -135,7 +135,7 @@ TEST(SceneTwin, is_cast_into_while_the_live_scene_goes_on) {
   for (int i = 1; i < 200; ++i) {
     yard.scene.update_terrain(yard.ground, hole, std::vector<double>(hole.nodes(), -0.01 * i));
     // Back and forth, so that everything fixed is placed anew each time.
-    yard.live(kStart + 2ms * i, at(0.0, 0.0, 0.5), {i % 2 == 0 ? 0.0 : 200.0, 0.0, 0.0});
+    yard.live(kStart + 2ms * i, scene_twin_at(0.0, 0.0, 0.5), {i % 2 == 0 ? 0.0 : 200.0, 0.0, 0.0});
     ASSERT_NEAR(down(yard.scene, -20.0, -20.0, kStart + 2ms * i)->range_m, 20.0 + 0.01 * i, 1e-4);
   }
   stop = true;

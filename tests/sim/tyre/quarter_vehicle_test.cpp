@@ -379,9 +379,9 @@ TEST(OnAStep, NoStepAllocates) {
   vehicle.place(3.0, 5.0, kMass_kg * kGravity);
   vehicle.v_W.x() = 2.0;
   vehicle.step(1e-3);
-  const auto before = test::allocations();
+  const auto before = rigwire::test::allocations();
   vehicle.run(1.5, 1e-3);
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(rigwire::test::allocations(), before);
   EXPECT_GT(vehicle.p_W.x(), 3.1);
 }
 

@@ -18,7 +18,7 @@ WheelContact pressed(double depth_m) {
   return contact;
 }
 
-SoilParameters soft_soil(double exponent = 1.1) {
+SoilParameters tyre_soft_soil(double exponent = 1.1) {
   SoilParameters soil;
   soil.soft = true;
   soil.exponent = exponent;
@@ -60,7 +60,7 @@ TEST(TyreSpring, BottomsOnTheRim) {
 TEST(TyreSpring, OnSoftSoilTyreAndSoilCarryTheSameLoad) {
   const Tyre tyre({}, 2200.0);
   for (const double n : {0.3, 0.6, 1.0, 1.1, 1.6, 2.0}) {
-    const SoilParameters soil = soft_soil(n);
+    const SoilParameters soil = tyre_soft_soil(n);
     double before = -1.0;
     for (double overlap = 1e-5; overlap < 0.5; overlap *= 1.3) {
       const TyreSpring spring = tyre.spring(overlap, &soil, kRoad_pa);
@@ -85,7 +85,7 @@ TEST(TyreSpring, OnSoftSoilTyreAndSoilCarryTheSameLoad) {
 
 TEST(TyreSpring, LowPressureSinksLess) {
   const Tyre tyre({}, 2200.0);
-  const SoilParameters soil = soft_soil();
+  const SoilParameters soil = tyre_soft_soil();
   // Under the same load.
   const auto sinkage_under = [&](double load, double pressure) {
     double low = 0.0;
@@ -168,7 +168,7 @@ TEST(TyreLaws, RollingResistanceGrowsAsThePressureFalls) {
 
 // Finding: compaction was a moment on the wheel alone, hidden from slip.
 TEST(TyreLaws, SoftSoilTakesCompactionFromTheCentreNotFromTheSpin) {
-  SoilParameters soil = soft_soil();
+  SoilParameters soil = tyre_soft_soil();
   soil.cohesion_pa = 1e4;
   soil.internal_friction_rad = 0.5;
   Tyre tyre({}, 2200.0);
@@ -197,7 +197,7 @@ TEST(TyreContact, SinkageLengthensIt) {
 TEST(TyreSpring, OverlapIsTheInverse) {
   const Tyre tyre({}, 2200.0);
   for (const double n : {0.3, 0.5, 1.1, 2.0}) {
-    const SoilParameters soil = soft_soil(n);
+    const SoilParameters soil = tyre_soft_soil(n);
     SoftSoils soils(&soil);
     for (const double pressed : {0.0, 0.05, 0.3}) {
       soils.pressed_m = pressed;
@@ -218,7 +218,7 @@ TEST(TyreSpring, OverlapIsTheInverse) {
 
 TEST(TyreSpring, BetweenSoftAndHardNothingJumps) {
   const Tyre tyre({}, 2200.0);
-  SoilParameters soil = soft_soil(0.5);
+  SoilParameters soil = tyre_soft_soil(0.5);
   soil.cohesion_modulus = 13200;
   soil.friction_modulus = 692000;
   const double hard = tyre.spring(0.115, nullptr, kRoad_pa).force_n;
@@ -236,7 +236,7 @@ TEST(TyreSpring, BetweenSoftAndHardNothingJumps) {
 }
 
 TEST(TyreLaws, SteadySlipOnSoftSoilIsJanosisCurve) {
-  const SoilParameters soil = soft_soil();
+  const SoilParameters soil = tyre_soft_soil();
   TyreParameters parameters;
   parameters.slip_stiffness_n = 1e9;  // the soil alone
   for (const double slip : {1e-6, 1e-3, 0.05, 0.3, 1.0}) {
@@ -259,7 +259,7 @@ TEST(TyreLaws, SteadySlipOnSoftSoilIsJanosisCurve) {
 }
 
 TEST(TyreLaws, AreFiniteAtEveryExtreme) {
-  const SoilParameters soft = soft_soil();
+  const SoilParameters soft = tyre_soft_soil();
   for (const double depth : {1e-12, 1e-3, 0.5, 2.0}) {
     for (const double pressure : {0.0, -1e5, 1e3, 1e7}) {
       for (const double speed : {0.0, 1e-12, 50.0}) {

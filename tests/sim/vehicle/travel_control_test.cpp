@@ -11,6 +11,7 @@
 #include <string>
 #include <tuple>
 
+#include "fields/constants.h"
 #include "sim/driveline/driveline.h"
 #include "vehicle_rig.h"
 
@@ -18,7 +19,6 @@ namespace rigwire::sim {
 namespace {
 
 using namespace std::chrono_literals;
-using test::kDegree;
 
 struct Course {
   double speed_mps = 0.0;    ///< At the end.

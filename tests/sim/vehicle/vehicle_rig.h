@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <ostream>
 #include <vector>
 
+#include "fields/constants.h"
 #include "sim/driveline/driveline.h"
 #include "sim/vehicle/full_vehicle.h"
 
@@ -23,7 +23,6 @@ inline void PrintTo(VehicleLevel level, std::ostream* out) {
 
 namespace rigwire::sim::test {
 
-inline constexpr double kDegree = std::numbers::pi / 180.0;
 inline constexpr double kGravity = 9.80665;
 
 /// Torque and locks as the test sets them; nothing else.

@@ -275,12 +275,12 @@ TEST(VehicleSensorsTest, WrongParametersAreRefused) {
 
 TEST(VehicleSensorsTest, AReadingDoesNotAllocate) {
   VehicleSensors under_test = sensors(VehicleSensorParameters{});
-  const auto before = test::allocations();
+  const auto before = rigwire::test::allocations();
   double sum = 0.0;
   for (int i = 0; i < 1000; ++i) {
     sum += under_test.measure(at(0.01 * i, 5.0)).odometry.speed_mps;
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(rigwire::test::allocations(), before);
   EXPECT_GT(sum, 0.0);
 }
 

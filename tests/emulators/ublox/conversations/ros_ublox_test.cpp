@@ -214,17 +214,17 @@ class RosUblox final : public Driver {
   std::set<std::string> systems_;
 };
 
-struct Case {
+struct RosUbloxCase {
   ReceiverType type;
   std::uint32_t baud;
   std::chrono::milliseconds begin;  ///< The node starts when the receiver has lived so long.
 };
 
-void PrintTo(const Case& c, std::ostream* out) {
+void PrintTo(const RosUbloxCase& c, std::ostream* out) {
   *out << name_of(c.type) << " at " << c.baud << " Bd after " << c.begin.count() << " ms";
 }
 
-class RosUbloxStarts : public testing::TestWithParam<Case> {};
+class RosUbloxStarts : public testing::TestWithParam<RosUbloxCase> {};
 
 TEST_P(RosUbloxStarts, EveryStepIsAnsweredInTimeAndFixesFlow) {
   SerialLine line;
@@ -241,8 +241,8 @@ TEST_P(RosUbloxStarts, EveryStepIsAnsweredInTimeAndFixesFlow) {
   RecordProperty("slowest_reply_ms", std::to_string(to_seconds(node.slowest_reply()) * 1e3));
 }
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<RosUbloxCase> ros_ublox_cases() {
+  std::vector<RosUbloxCase> all;
   for (const ReceiverType& type : receiver_types()) {
     if (type.generation != 7) {
       continue;
@@ -257,8 +257,8 @@ std::vector<Case> cases() {
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Receivers, RosUbloxStarts, testing::ValuesIn(cases()),
-                         [](const testing::TestParamInfo<Case>& at) {
+INSTANTIATE_TEST_SUITE_P(Receivers, RosUbloxStarts, testing::ValuesIn(ros_ublox_cases()),
+                         [](const testing::TestParamInfo<RosUbloxCase>& at) {
                            return name_of(at.param.type) + "_" + std::to_string(at.param.baud) +
                                   "_" + std::to_string(at.param.begin.count());
                          });

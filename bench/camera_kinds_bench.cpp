@@ -49,6 +49,16 @@ std::vector<double> numbers_of(const Picture& picture) {
   return numbers;
 }
 
+/// Returns a shot of both heads' pictures.
+sim::CameraShot stereo_shot(const CameraCase& scene,
+                            const sim::StereoCameraParameters& parameters) {
+  const sim::ImageSensorParameters& sensor = parameters.camera.sensor;
+  sim::CameraShot shot = scene.shot(sensor.width_px, sensor.height_px);
+  shot.command.format = PixelFormat::mono8;
+  shot.command.intensity_right = true;
+  return shot;
+}
+
 /// Calls `work(pixel, true depth, true disparity)` for the pixels whose disparity the search can
 /// find: the columns on the left have nothing to be searched in.
 template <class Work>
@@ -135,49 +145,57 @@ ConfidenceWorth worth_of(const sim::DisparityPicture& found, const sim::CameraTr
 
 }  // namespace
 
-StereoCost measure_stereo(const CameraCase& scene, const std::string& matcher,
-                          const sim::StereoMatchingParameters& matching, int rounds) {
+StereoCost measure_matcher(const CameraCase& scene, const std::string& name,
+                           sim::StereoMatcher& matcher,
+                           const sim::StereoMatchingParameters& searched, int rounds) {
   sim::StereoCameraParameters parameters;
-  parameters.matching = matching;
+  parameters.matching = searched;
   const auto camera = make_stereo_camera(parameters, kCameraKindsSeed, "bench");
-  const sim::ImageSensorParameters& sensor = parameters.camera.sensor;
-  sim::CameraShot shot = scene.shot(sensor.width_px, sensor.height_px);
-  shot.command.format = PixelFormat::mono8;
-  shot.command.intensity_right = true;
+  sim::CameraShot shot = stereo_shot(scene, parameters);
   sim::CameraTruth left;
   const auto heads = camera->take(scene.scene(), shot, &left).picture;
 
   // Depths as the right head has them, for the matcher that wants them.
-  sim::CameraShot of_right = shot;
-  of_right.command.intensity = false;
+  shot.command.intensity = false;
   sim::CameraTruth right;
-  (void)camera->take(scene.scene(), of_right, &right);
+  (void)camera->take(scene.scene(), shot, &right);
   const sim::ReportedGeometry geometry = stereo_geometry(parameters);
   sim::StereoPair pair;
-  pair.width = sensor.width_px;
-  pair.height = sensor.height_px;
+  pair.width = parameters.camera.sensor.width_px;
+  pair.height = parameters.camera.sensor.height_px;
   pair.left = heads->parts[0].bytes;
   pair.right = heads->parts[1].bytes;
   pair.left_depth_m = left.depth_m;
   pair.right_depth_m = right.depth_m;
   pair.focal_baseline_px_m = geometry.focal_length_px * geometry.baseline_m;
-  const auto alone = sim::make_stereo_matcher(matching);
   sim::DisparityPicture found;
 
   StereoCost cost;
   cost.scene = scene.name();
-  cost.matcher = matcher;
-  cost.disparity_s = least_of_rounds(rounds, [&] { alone->match(pair, false, found); });
-  const double both_s = least_of_rounds(rounds, [&] { alone->match(pair, true, found); });
+  cost.matcher = name;
+  cost.disparity_s = least_of_rounds(rounds, [&] { matcher.match(pair, false, found); });
+  const double both_s = least_of_rounds(rounds, [&] { matcher.match(pair, true, found); });
   cost.confidence_s = std::max(0.0, both_s - cost.disparity_s);
-  shot.command.disparity = true;
-  cost.take_s = least_of_rounds(rounds, [&] { (void)camera->take(scene.scene(), shot, nullptr); });
+  cost.take_s = std::numeric_limits<double>::quiet_NaN();
   cost.all = band_of(found, left, parameters, 0.0, 1000.0);
   cost.sure = worth_of(found, left, parameters);
   for (const auto& [from_m, to_m] :
        {std::pair{2.0, 5.0}, {5.0, 10.0}, {10.0, 20.0}, {20.0, 40.0}}) {
     cost.bands.push_back(band_of(found, left, parameters, from_m, to_m));
   }
+  return cost;
+}
+
+StereoCost measure_stereo(const CameraCase& scene, const std::string& name,
+                          const sim::StereoMatchingParameters& matching, int rounds) {
+  StereoCost cost =
+      measure_matcher(scene, name, *sim::make_stereo_matcher(matching), matching, rounds);
+  sim::StereoCameraParameters parameters;
+  parameters.matching = matching;
+  const auto camera = make_stereo_camera(parameters, kCameraKindsSeed, "bench");
+  sim::CameraShot shot = stereo_shot(scene, parameters);
+  shot.command.disparity = true;
+  cost.take_s = least_of_rounds(rounds, [&] { (void)camera->take(scene.scene(), shot, nullptr); });
   return cost;
 }
 

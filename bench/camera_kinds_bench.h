@@ -37,15 +37,21 @@ struct StereoCost {
   std::string matcher;
   double disparity_s = 0.0;   ///< CPU time of matching alone; one thread.
   double confidence_s = 0.0;  ///< Likewise, what confidence adds.
-  double take_s = 0.0;        ///< Of all of a shot: two pictures, matched.
+  double take_s = 0.0;        ///< Of all of a shot, two pictures, matched; not a number: no shot.
   DepthBand all;
   ConfidenceWorth sure;
   std::vector<DepthBand> bands;
 };
 
-/// With the default stereo camera; depths beyond the search are left out.
-[[nodiscard]] StereoCost measure_stereo(const CameraCase& scene, const std::string& matcher,
+/// Measures the default stereo camera with `matching`; `name` is that of the matcher in the result.
+/// Depths nearer than the search are left out.
+[[nodiscard]] StereoCost measure_stereo(const CameraCase& scene, const std::string& name,
                                         const sim::StereoMatchingParameters& matching, int rounds);
+/// Measures `matcher` alone, on what the heads of that camera see. It searches the disparities that
+/// `searched` names.
+[[nodiscard]] StereoCost measure_matcher(const CameraCase& scene, const std::string& name,
+                                         sim::StereoMatcher& matcher,
+                                         const sim::StereoMatchingParameters& searched, int rounds);
 
 /// A way to an all-round picture against the rays of many samples.
 struct AllRoundCost {

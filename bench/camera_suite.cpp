@@ -4,6 +4,7 @@
 
 #include "bench/camera_bench.h"
 #include "bench/camera_kinds_bench.h"
+#include "bench/stereo_table.h"
 #include "bench/suites.h"
 #include "bench/table.h"
 
@@ -138,21 +139,7 @@ void sensor_table(std::ostream& text, nlohmann::json& json) {
 }
 
 void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nlohmann::json& json) {
-  const Table table(text, {{"scene", "<9"},
-                           {"matcher", "<12"},
-                           {"depth m", "<8"},
-                           {"match ms", ">9"},
-                           {"confidence", ">11"},
-                           {"shot ms", ">8"},
-                           {"density", ">8"},
-                           {"bad1", ">7"},
-                           {"median px", ">10"},
-                           {"median m", ">9"},
-                           {"sure", ">7"},
-                           {"bad1", ">7"},
-                           {"median px", ">10"},
-                           {"told apart", ">11"}});
-  table.head();
+  const StereoTable table(text);
   for (const CameraCase& scene : cases) {
     using enum sim::MatchingPaths;
     const auto by = [](sim::MatchingMethod method, sim::MatchingPaths paths) {
@@ -164,47 +151,11 @@ void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nloh
     for (const auto& [name, matching] :
          {std::pair{"census 3", by(sim::MatchingMethod::census, three)},
           {"census 5", by(sim::MatchingMethod::census, five)},
-          {"OpenCV 3", by(sim::MatchingMethod::semi_global, three)},
-          {"OpenCV 5", by(sim::MatchingMethod::semi_global, five)},
-          {"OpenCV 8", by(sim::MatchingMethod::semi_global, eight)},
           {"truth", by(sim::MatchingMethod::truth, three)}}) {
-      const StereoCost cost = measure_stereo(scene, name, matching, 3);
-      const auto row = [&](const DepthBand& band, const std::string& depths, bool first) {
-        json["stereo"].push_back(
-            table.row({word("scene", cost.scene),
-                       word("matcher", cost.matcher),
-                       shown(depths),
-                       shown(first ? fmt::format("{:.0f}", 1e3 * cost.disparity_s) : ""),
-                       shown(first ? fmt::format("{:.0f}", 1e3 * cost.confidence_s) : ""),
-                       shown(first ? fmt::format("{:.0f}", 1e3 * cost.take_s) : ""),
-                       number("density", band.density, "{:.1f}%", 100.0),
-                       number("bad1", band.bad1, "{:.1f}%", 100.0),
-                       number("median_px", band.median_px, "{:.2f}"),
-                       number("median_m", band.median_m, "{:.3f}"),
-                       shown(first ? fmt::format("{:.1f}%", 100.0 * cost.sure.density) : ""),
-                       shown(first ? fmt::format("{:.1f}%", 100.0 * cost.sure.bad1) : ""),
-                       shown(first ? fmt::format("{:.2f}", cost.sure.median_px) : ""),
-                       shown(first ? fmt::format("{:.3f}", cost.sure.told_apart) : ""),
-                       stored("sure_density", cost.sure.density),
-                       stored("sure_bad1", cost.sure.bad1),
-                       stored("sure_median_px", cost.sure.median_px),
-                       stored("told_apart", cost.sure.told_apart),
-                       stored("from_m", band.from_m),
-                       stored("to_m", band.to_m),
-                       stored("match_s", cost.disparity_s),
-                       stored("confidence_s", cost.confidence_s),
-                       stored("shot_s", cost.take_s)}));
-      };
-      row(cost.all, "all", true);
-      for (const DepthBand& band : cost.bands) {
-        row(band, fmt::format("{:g}..{:g}", band.from_m, band.to_m), false);
-      }
+      table.add(measure_stereo(scene, name, matching, 3), json["stereo"]);
     }
   }
-  text << "640 x 480, 128 disparities, baseline 0.16 m, one thread, CPU time; by matcher and\n"
-          "paths; bad1: share of the disparities that are off by more than a pixel; depths\n"
-          "nearer than the search left out; sure: with a confidence of 128 or more; told apart:\n"
-          "how often a right disparity has more confidence than a wrong one\n\n";
+  table.end();
 }
 
 void all_round_table(const std::vector<CameraCase>& cases, std::ostream& text,

@@ -1,4 +1,4 @@
-# find_package(OpenCVStereo): what stereo matching needs of OpenCV 4, as the target
+# find_package(OpenCVStereo): the modules of OpenCV 4 that the tests compare with, as the target
 # OpenCVStereo::OpenCVStereo. Debian has OpenCV's own package configuration only together with all of
 # its modules, their libraries for video and display included.
 find_path(OpenCVStereo_INCLUDE_DIR opencv2/calib3d.hpp PATH_SUFFIXES opencv4)

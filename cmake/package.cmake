@@ -6,8 +6,7 @@ include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/rigwire)
 set(configs_folder ${CMAKE_INSTALL_DATADIR}/rigwire/configs)
 set(package_files ${PROJECT_BINARY_DIR}/rigwire-config.cmake
-  ${PROJECT_BINARY_DIR}/rigwire-config-version.cmake
-  ${CMAKE_CURRENT_LIST_DIR}/FindOpenCVStereo.cmake)
+  ${PROJECT_BINARY_DIR}/rigwire-config-version.cmake)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/rigwire-config.cmake.in
   ${PROJECT_BINARY_DIR}/rigwire-config.cmake

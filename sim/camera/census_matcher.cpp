@@ -5,9 +5,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/imgproc.hpp>
 
+#include "sim/camera/disparity_filters.h"
 #include "sim/camera/disparity_steps.h"
 #include "sim/lidar/worker_pool.h"
 #include "sim/samples/wide_vectors.h"
@@ -27,7 +26,7 @@ constexpr std::uint8_t kBeyond = kCensusPairs;
 /// Above every sum.
 template <class Sum>
 constexpr Sum kNoSum = std::numeric_limits<Sum>::max();
-constexpr short kNotFound = -kDisparitySteps;
+constexpr std::int16_t kNotFound = -kDisparitySteps;
 /// Bytes on each side of a pixel's path costs, so that the outermost disparities have neighbours.
 constexpr std::size_t kMargin = 32;
 /// Of the picture, for threads to share; and how many rows before its own a strip's paths from
@@ -224,7 +223,7 @@ inline int beside(int before, int middle, int after) {
 /// The paths that come from the right, and what is best of the sums: for the left picture's pixels
 /// steps and margins, for the right one's what leads to them.
 template <class Sum>
-inline __attribute__((always_inline)) void sum_leftwards(Workplace<Sum>& w, short* steps,
+inline __attribute__((always_inline)) void sum_leftwards(Workplace<Sum>& w, std::int16_t* steps,
                                                          std::uint8_t* margins) {
   const int disparities = w.disparities;
   w.begin_along();
@@ -280,7 +279,7 @@ inline __attribute__((always_inline)) void sum_leftwards(Workplace<Sum>& w, shor
     if (best > 0 && best < disparities - 1) {
       found += beside(sum[best - 1], lowest, sum[best + 1]);
     }
-    steps[at] = static_cast<short>(found);
+    steps[at] = static_cast<std::int16_t>(found);
   }
 }
 
@@ -290,10 +289,11 @@ RIGWIRE_WIDE_VECTORS void go_right(std::size_t row, Workplace<std::uint8_t>& w) 
 RIGWIRE_WIDE_VECTORS void go_right(std::size_t row, Workplace<std::uint16_t>& w) {
   sum_rightwards(row, w);
 }
-RIGWIRE_WIDE_VECTORS void go_left(Workplace<std::uint8_t>& w, short* steps, std::uint8_t* margins) {
+RIGWIRE_WIDE_VECTORS void go_left(Workplace<std::uint8_t>& w, std::int16_t* steps,
+                                  std::uint8_t* margins) {
   sum_leftwards(w, steps, margins);
 }
-RIGWIRE_WIDE_VECTORS void go_left(Workplace<std::uint16_t>& w, short* steps,
+RIGWIRE_WIDE_VECTORS void go_left(Workplace<std::uint16_t>& w, std::int16_t* steps,
                                   std::uint8_t* margins) {
   sum_leftwards(w, steps, margins);
 }
@@ -304,8 +304,9 @@ bool fits_bytes(const StereoMatchingParameters& p) {
   return paths * (kCensusPairs + p.large_step_bits) < 255 && p.disparities < 255;
 }
 
-/// Of 255, by a margin of 255: 160 at a quarter of it, so that in the pit of `bench camera` as many
-/// have 128 and more as by OpenCV's two searches.
+/// Returns how sure a disparity is, 0 .. 255, from the margin of its sum, 0 .. 255. A quarter of
+/// the margin gives 160: in the pit of `bench camera` as many disparities then have 128 and more as
+/// by two searches of OpenCV's StereoSGBM, there and back.
 inline int sure_of(int margin) {
   constexpr int kQuarter = 64;
   return margin < kQuarter ? margin * 5 / 2 : 160 + (margin - kQuarter) * 95 / (255 - kQuarter);
@@ -322,15 +323,16 @@ class CensusMatcher final : public StereoMatcher {
   void match(const StereoPair& pair, bool confidence, DisparityPicture& found) override {
     prepare(pair);
     pool_.run(kStrips, [&](std::size_t strip) { search(pair, static_cast<int>(strip)); });
-    cv::medianBlur(there_, there_, 3);
+    median_.apply(searched_, pair.width, there_);
     if (parameters_.speckle_px > 0) {
-      cv::filterSpeckles(there_, kNotFound, parameters_.speckle_px,
-                         parameters_.speckle_difference * kDisparitySteps, islands_);
+      speckles_.apply(
+          there_, pair.width,
+          {parameters_.speckle_px, parameters_.speckle_difference * kDisparitySteps, kNotFound});
     }
     take_steps(there_, parameters_.least_disparity, found.disparity_px);
     found.confidence.clear();
     if (confidence) {
-      judge(found);
+      judge(pair.width, found);
     }
   }
 
@@ -350,9 +352,10 @@ class CensusMatcher final : public StereoMatcher {
       }
       go_right(static_cast<std::size_t>(row), w);
       if (row >= first) {
-        go_left(w, there_.ptr<short>(row), margins_.ptr<std::uint8_t>(row));
-        come_back(w, back_.ptr<short>(row));
-        hold_to_each_other(w.width, there_.ptr<short>(row), back_.ptr<short>(row));
+        const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(pair.width);
+        go_left(w, searched_.data() + at, margins_.data() + at);
+        come_back(w, back_.data() + at);
+        hold_to_each_other(w.width, searched_.data() + at, back_.data() + at);
       }
     }
   }
@@ -361,9 +364,11 @@ class CensusMatcher final : public StereoMatcher {
     for (Workplace<Sum>& w : work_) {
       prepare(pair, w);
     }
-    there_.create(pair.height, pair.width, CV_16S);
-    back_.create(pair.height, pair.width, CV_16S);
-    margins_.create(pair.height, pair.width, CV_8U);
+    const std::size_t pixels = pair.left.size();
+    searched_.resize(pixels);
+    there_.resize(pixels);
+    back_.resize(pixels);
+    margins_.resize(pixels);
   }
 
   void prepare(const StereoPair& pair, Workplace<Sum>& w) const {
@@ -423,7 +428,7 @@ class CensusMatcher final : public StereoMatcher {
   }
 
   /// What leads back from each of the right picture's pixels.
-  static void come_back(const Workplace<Sum>& w, short* back) {
+  static void come_back(const Workplace<Sum>& w, std::int16_t* back) {
     const auto sum = [&w](int x, int d) {
       return static_cast<int>(
           w.sums[static_cast<std::size_t>(x) * static_cast<std::size_t>(w.disparities) +
@@ -441,12 +446,12 @@ class CensusMatcher final : public StereoMatcher {
       if (best > 0 && best < w.disparities - 1 && x + 1 < w.width) {
         found += beside(sum(x - 1, best - 1), sum(x, best), sum(x + 1, best + 1));
       }
-      back[right] = static_cast<short>(found);
+      back[right] = static_cast<std::int16_t>(found);
     }
   }
 
   /// Takes out what both pixels that it leads between disagree with.
-  void hold_to_each_other(int width, short* there, const short* back) const {
+  void hold_to_each_other(int width, std::int16_t* there, const std::int16_t* back) const {
     const int most = parameters_.left_right_difference * kDisparitySteps + kDisparitySteps / 2;
     for (int x = 0; x < width; ++x) {
       const int steps = there[x];
@@ -461,14 +466,14 @@ class CensusMatcher final : public StereoMatcher {
     }
   }
 
-  void judge(DisparityPicture& found) const {
+  void judge(int width, DisparityPicture& found) const {
     found.confidence.assign(found.disparity_px.size(), 0);
     auto to = found.confidence.begin();
-    for (int row = 0; row < there_.rows; ++row) {
-      const auto* const steps = there_.ptr<short>(row);
-      const auto* const back = back_.ptr<short>(row);
-      const auto* const margins = margins_.ptr<std::uint8_t>(row);
-      for (int column = 0; column < there_.cols; ++column, ++to) {
+    for (std::size_t first = 0; first < there_.size(); first += static_cast<std::size_t>(width)) {
+      const std::int16_t* const steps = there_.data() + first;
+      const std::int16_t* const back = back_.data() + first;
+      const std::uint8_t* const margins = margins_.data() + first;
+      for (int column = 0; column < width; ++column, ++to) {
         const int right = led_to(column, steps[column]);
         if (found_at(steps[column], parameters_.least_disparity) && right >= 0 &&
             found_at(back[right], parameters_.least_disparity)) {
@@ -483,7 +488,11 @@ class CensusMatcher final : public StereoMatcher {
   StereoMatchingParameters parameters_;
   WorkerPool pool_;
   std::array<Workplace<Sum>, kStrips> work_;
-  cv::Mat there_, back_, margins_, islands_;
+  MedianFilter median_;
+  SpeckleFilter speckles_;
+  /// Steps of the left picture as the search finds them, and filtered; steps of the right picture.
+  std::vector<std::int16_t> searched_, there_, back_;
+  std::vector<std::uint8_t> margins_;
 };
 
 }  // namespace

@@ -1,9 +1,10 @@
-// Disparities in OpenCV's steps of a sixteenth of a pixel, as both ways of matching have them.
+// Disparities in steps of a sixteenth of a pixel, the resolution of OpenCV's matchers.
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
-#include <opencv2/core.hpp>
+#include <span>
 #include <vector>
 
 #include "sim/camera/stereo_matcher.h"
@@ -18,8 +19,9 @@ inline constexpr float kPerStep_px = 1.0F / static_cast<float>(kDisparitySteps);
   return steps > 0 && steps >= least_disparity * kDisparitySteps;
 }
 
-/// `steps` of 16 bits with sign, row by row.
-void take_steps(const cv::Mat& steps, int least_disparity, std::vector<float>& disparity_px);
+/// Converts `steps` to pixels; DisparityPicture::kNone where found_at() is false.
+void take_steps(std::span<const std::int16_t> steps, int least_disparity,
+                std::vector<float>& disparity_px);
 
 /// Of 255: how well a disparity and the one that leads back agree, all within a step, nothing from
 /// kDisagreement_px on.

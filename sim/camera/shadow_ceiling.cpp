@@ -9,7 +9,7 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr float kNothing = -std::numeric_limits<float>::infinity();
+constexpr float kNoGround = -std::numeric_limits<float>::infinity();
 constexpr float kClosed = std::numeric_limits<float>::infinity();
 /// What rounding in Embree's coordinates may move, with room.
 constexpr double kMargin_m = 0.02;
@@ -121,7 +121,8 @@ void ShadowCeiling::lay_out(const Scene::Internals::Terrain& terrain,
   length_ = static_cast<int>(std::ceil(2.0 * half_along / cell_m_)) + 2;
   width_ = static_cast<int>(std::ceil(2.0 * half_across / cell_m_)) + 2;
   corner_m_ << middle_along - half_along - cell_m_, middle_across - half_across - cell_m_;
-  ceiling_m_.assign(static_cast<std::size_t>(length_) * static_cast<std::size_t>(width_), kNothing);
+  ceiling_m_.assign(static_cast<std::size_t>(length_) * static_cast<std::size_t>(width_),
+                    kNoGround);
 
   // Cells with all corners over the terrain: a run along, for each place across.
   first_open_.assign(static_cast<std::size_t>(width_), length_);

@@ -8,7 +8,6 @@
 #include "fields/check.h"
 #include "fields/visitor.h"
 #include "sim/camera/census_matcher.h"
-#include "sim/camera/semi_global_matcher.h"
 
 namespace rigwire::sim {
 
@@ -16,19 +15,12 @@ using fields::IntegerRule;
 
 namespace {
 
-constexpr std::array<fields::Choice<MatchingMethod>, 3> kMethods{
+constexpr std::array<fields::Choice<MatchingMethod>, 2> kMethods{
     {{MatchingMethod::census, "census", "Semi-global matching by census on what the heads saw."},
-     {MatchingMethod::semi_global, "semi_global", "OpenCV's StereoSGBM on what the heads saw."},
      {MatchingMethod::truth, "truth", "The true depth, where both heads see the point."}}};
-constexpr std::array<fields::Choice<MatchingPaths>, 3> kPaths{
+constexpr std::array<fields::Choice<MatchingPaths>, 2> kPaths{
     {{MatchingPaths::three, "three", "From the left, the right and above: the least time."},
-     {MatchingPaths::five, "five", "One pass over the picture."},
-     {MatchingPaths::eight, "eight", "Two passes, twice the time."}}};
-
-/// Costs are summed up in 16 bits.
-constexpr int kGreatestSum = 32767;
-/// Of OpenCV's difference of two intensities, a quarter of it.
-constexpr int kGreatestIntensityCost = 63;
+     {MatchingPaths::five, "five", "Also from above left and above right."}}};
 
 /// Depths that differ by less than this share are one surface.
 constexpr float kSameSurface = 0.02F;
@@ -87,26 +79,12 @@ void visit(fields::Visitor& v, StereoMatchingParameters& p) {
             "Pixels; farther surfaces are not found.");
   v.integer("disparities", p.disparities, IntegerRule{16, 1024},
             "How many are searched, a multiple of 16; nearer surfaces are not found.");
-  v.only_if(p.method == MatchingMethod::semi_global, "method", "method: semi_global",
-            [&p](fields::Visitor& keys) {
-              keys.integer("block", p.block_px, IntegerRule{1, 11},
-                           "Side of the square that is compared, pixels, odd.");
-              keys.integer("small_step_cost", p.small_step_cost, IntegerRule{1, 30000},
-                           "P1, of a step by one pixel between neighbours.");
-              keys.integer("large_step_cost", p.large_step_cost, IntegerRule{2, 30000},
-                           "P2, of every larger step.");
-              keys.integer("gradient_limit", p.gradient_limit, IntegerRule{1, 63},
-                           "Gradients are cut off here before they are compared.");
-            });
   v.only_if(p.method == MatchingMethod::census, "method", "method: census",
             [&p](fields::Visitor& keys) {
               keys.integer("small_step_bits", p.small_step_bits, IntegerRule{1, 50},
                            "P1, of a step by one pixel, in pairs of pixels that differ, of 31.");
               keys.integer("large_step_bits", p.large_step_bits, IntegerRule{2, 150},
                            "P2, of every larger step.");
-            });
-  v.only_if(p.method != MatchingMethod::truth, "method", "method: census or semi_global",
-            [&p](fields::Visitor& keys) {
               keys.choice("paths", p.paths, kPaths, "Directions from which costs are summed up.");
               keys.integer("uniqueness", p.uniqueness_percent, IntegerRule{0, 100},
                            "By how many % the best cost must be below the next one.");
@@ -124,30 +102,10 @@ void validate(const StereoMatchingParameters& p) {
   fields::require(p.disparities % 16 == 0, "disparities", std::to_string(p.disparities),
                   "multiples of 16");
   if (p.method == MatchingMethod::census) {
-    fields::require(p.paths != MatchingPaths::eight, "paths", "eight",
-                    "three or five with method: census");
     fields::require(p.large_step_bits > p.small_step_bits, "large_step_bits",
                     std::to_string(p.large_step_bits),
                     "above small_step_bits, " + std::to_string(p.small_step_bits));
   }
-  if (p.method != MatchingMethod::semi_global) {
-    return;
-  }
-  fields::require(p.block_px % 2 == 1, "block", std::to_string(p.block_px), "odd numbers");
-  fields::require(p.large_step_cost > p.small_step_cost, "large_step_cost",
-                  std::to_string(p.large_step_cost),
-                  "above small_step_cost, " + std::to_string(p.small_step_cost));
-  // The greatest cost of a block, with its step, once for each direction.
-  const int paths = p.paths == MatchingPaths::three ? 3 : p.paths == MatchingPaths::five ? 5 : 8;
-  const int block_cost = p.block_px * p.block_px * (2 * p.gradient_limit + kGreatestIntensityCost);
-  const int greatest = kGreatestSum / paths - block_cost;
-  fields::require(p.large_step_cost <= greatest, "large_step_cost",
-                  std::to_string(p.large_step_cost),
-                  greatest < 2 ? "none with such blocks: costs would overflow 16 bits; a smaller "
-                                 "block or gradient_limit"
-                               : "up to " + std::to_string(greatest) +
-                                     ", or costs overflow 16 bits with blocks of " +
-                                     std::to_string(p.block_px));
 }
 
 std::unique_ptr<StereoMatcher> make_stereo_matcher(const StereoMatchingParameters& parameters,
@@ -156,10 +114,7 @@ std::unique_ptr<StereoMatcher> make_stereo_matcher(const StereoMatchingParameter
   if (parameters.method == MatchingMethod::truth) {
     return std::make_unique<TruthMatcher>(parameters);
   }
-  if (parameters.method == MatchingMethod::census) {
-    return make_census_matcher(parameters, threads);
-  }
-  return make_semi_global_matcher(parameters, threads);
+  return make_census_matcher(parameters, threads);
 }
 
 }  // namespace rigwire::sim

@@ -289,7 +289,6 @@ constexpr std::string_view kGrid = "size over cell, 10 to 8192 cells along a sid
 constexpr std::string_view kCarries = "the tyre must carry the wheel off the rim";
 constexpr std::string_view kUnitVector = "not of length 1 with the other components";
 constexpr std::string_view kLensFolds = "the lens folds over, sees too much, or must be a pinhole";
-constexpr std::string_view kCostsOverflow = "sums of costs overflow 16 bits";
 constexpr std::string_view kCameraBusy = "reading out and sending a picture takes longer";
 constexpr std::string_view kTooStiff = "lighter, or slower, than a contact's stiffness allows";
 constexpr std::string_view kDriveTooStiff = "stiffer than the step allows";
@@ -376,10 +375,6 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
       JointRefusal{"gige-*.sensor.lens.p*", End::upper, kLensFolds},
       JointRefusal{"gige-*.image_sensor.pixel_pitch", End::upper, kLensFolds},
       JointRefusal{"gige-stereo.sensor.matching.*disparit*", End::upper, "as wide as the picture"},
-      JointRefusal{"gige-stereo.sensor.matching.block", End::upper, kCostsOverflow},
-      JointRefusal{"gige-stereo.sensor.matching.small_step_cost", End::upper, "above the large"},
-      JointRefusal{"gige-stereo.sensor.matching.large_step_cost", End::lower, "below the small"},
-      JointRefusal{"gige-stereo.sensor.matching.large_step_cost", End::upper, kCostsOverflow},
       JointRefusal{"gige-stereo.sensor.matching.small_step_bits", End::upper, "above the large"},
       JointRefusal{"gige-stereo.sensor.matching.large_step_bits", End::lower, "below the small"},
       JointRefusal{"gige-depth.sensor.nearest", End::upper, "beyond farthest"},

@@ -45,6 +45,14 @@ TEST_F(CameraKeys, device_is_told_what_its_sensor_can_do) {
   EXPECT_EQ(told.mac, mac);
 }
 
+TEST_F(CameraKeys, a_matching_method_that_is_gone_is_refused) {
+  write("    address: 127.0.3.4\n    sensor: {matching: {method: semi_global}}\n", "",
+        "gige-stereo");
+  EXPECT_THAT(complaints(),
+              AllOf(HasSubstr("devices.eye.sensor.matching.method"), HasSubstr("unknown value"),
+                    HasSubstr("\"semi_global\""), HasSubstr("census, truth")));
+}
+
 TEST_F(CameraKeys, address_must_be_the_cameras_own_and_of_this_machine) {
   write("    address: 192.168.1.7\n");
   EXPECT_THAT(complaints(), AllOf(HasSubstr("devices.eye.address"), HasSubstr("allow_remote")));

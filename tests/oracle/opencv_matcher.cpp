@@ -1,36 +1,34 @@
-#include "sim/camera/semi_global_matcher.h"
+#include "opencv_matcher.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <exception>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "sim/camera/disparity_steps.h"
-#include "sim/lidar/worker_pool.h"
 
-namespace rigwire::sim {
+namespace rigwire::oracle {
 namespace {
 
-static_assert(kDisparitySteps == cv::StereoMatcher::DISP_SCALE);
+using sim::DisparityPicture;
+using sim::StereoPair;
+
+static_assert(sim::kDisparitySteps == cv::StereoMatcher::DISP_SCALE);
 
 /// Rows of the picture that the way back takes together.
 constexpr int kRowsTogether = 2;
 
-int mode_of(MatchingPaths paths) {
+int mode_of(OpenCvPaths paths) {
   switch (paths) {
-    case MatchingPaths::three:
+    case OpenCvPaths::three:
       return cv::StereoSGBM::MODE_SGBM_3WAY;
-    case MatchingPaths::five:
+    case OpenCvPaths::five:
       return cv::StereoSGBM::MODE_SGBM;
-    case MatchingPaths::eight:
+    case OpenCvPaths::eight:
       return cv::StereoSGBM::MODE_HH;
   }
   return cv::StereoSGBM::MODE_SGBM;
 }
 
-cv::Ptr<cv::StereoSGBM> matcher_of(const StereoMatchingParameters& p, MatchingPaths paths,
+cv::Ptr<cv::StereoSGBM> matcher_of(const OpenCvMatcherParameters& p, OpenCvPaths paths,
                                    int speckle_px) {
   return cv::StereoSGBM::create(p.least_disparity, p.disparities, p.block_px, p.small_step_cost,
                                 p.large_step_cost, p.left_right_difference, p.gradient_limit,
@@ -38,63 +36,47 @@ cv::Ptr<cv::StereoSGBM> matcher_of(const StereoMatchingParameters& p, MatchingPa
                                 mode_of(paths));
 }
 
-/// On the calling thread: what runs within one of OpenCV's parallel loops is not split up again.
-/// Its search from three directions would be, into strips that are the same for any number of
-/// threads.
+/// Computes on the calling thread: OpenCV does not split up what runs within one of its parallel
+/// loops.
 void compute(cv::StereoSGBM& matcher, const cv::Mat& left, const cv::Mat& right, cv::Mat& steps) {
   cv::parallel_for_(cv::Range(0, 1),
                     [&](const cv::Range&) { matcher.compute(left, right, steps); });
 }
 
-class SemiGlobalMatcher final : public StereoMatcher {
+class OpenCvMatcher final : public sim::StereoMatcher {
  public:
-  SemiGlobalMatcher(const StereoMatchingParameters& p, int threads)
+  explicit OpenCvMatcher(const OpenCvMatcherParameters& p)
       : parameters_(p),
-        pool_(std::min(threads, 2), PoolPriority::spare_time),
         matcher_(matcher_of(p, p.paths, p.speckle_px)),
-        // Islands are taken out on the way there.
-        back_matcher_(matcher_of(p, MatchingPaths::three, 0)) {}
+        // Speckles are removed on the way there.
+        back_matcher_(matcher_of(p, OpenCvPaths::three, 0)) {}
 
   [[nodiscard]] bool needs_truth() const override { return false; }
 
   void match(const StereoPair& pair, bool confidence, DisparityPicture& found) override {
     const cv::Mat left = picture(pair, pair.left);
     const cv::Mat right = picture(pair, pair.right);
-    // There and back need nothing of each other.
-    std::array<std::exception_ptr, 2> failed;
-    pool_.run(confidence ? 2 : 1, [&](std::size_t way) {
-      try {
-        if (way == 0) {
-          compute(*matcher_, left, right, forward_);
-        } else {
-          match_back(left, right);
-        }
-      } catch (...) {
-        failed[way] = std::current_exception();
-      }
-    });
-    for (const std::exception_ptr& failure : failed) {
-      if (failure) {
-        std::rethrow_exception(failure);
-      }
-    }
-    take_steps(forward_, parameters_.least_disparity, found.disparity_px);
+    compute(*matcher_, left, right, forward_);
+    CV_Assert(forward_.isContinuous());
+    sim::take_steps({forward_.ptr<std::int16_t>(), forward_.total()}, parameters_.least_disparity,
+                    found.disparity_px);
     found.confidence.clear();
     if (confidence) {
+      match_back(left, right);
       judge(found);
     }
   }
 
  private:
   static cv::Mat picture(const StereoPair& pair, std::span<const std::uint8_t> pixels) {
-    // OpenCV has no matrix of what must not be changed; compute() only reads it.
+    // cv::Mat has no form for constant memory; compute() only reads it.
     return {
         pair.height, pair.width, CV_8UC1,
         const_cast<std::uint8_t*>(pixels.data())};  // NOLINT(cppcoreguidelines-pro-type-const-cast)
   }
 
-  /// The right picture against the left one: the same search in both pictures' mirror images, with
-  /// a margin where the search of the outermost columns ends.
+  /// Matches the right picture against the left one: the same search in both pictures' mirror
+  /// images, with a margin where the search of the outermost columns ends.
   void match_back(const cv::Mat& left, const cv::Mat& right) {
     const int margin = parameters_.least_disparity + parameters_.disparities;
     const auto mirrored = [&](const cv::Mat& from, cv::Mat& to) {
@@ -108,26 +90,25 @@ class SemiGlobalMatcher final : public StereoMatcher {
     compute(*back_matcher_, mirrored_right_, mirrored_left_, backward_);
   }
 
-  /// How far each pixel comes back from where its disparity leads.
+  /// Sets each pixel's confidence by how far it comes back from where its disparity leads.
   void judge(DisparityPicture& found) const {
     found.confidence.assign(found.disparity_px.size(), 0);
     const int last = backward_.cols - 1;
     auto to = found.confidence.begin();
     for (int row = 0; row < forward_.rows; ++row) {
-      const auto* const steps = forward_.ptr<short>(row);
-      const auto* const back = backward_.ptr<short>(row / kRowsTogether);
+      const auto* const steps = forward_.ptr<std::int16_t>(row);
+      const auto* const back = backward_.ptr<std::int16_t>(row / kRowsTogether);
       for (int column = 0; column < forward_.cols; ++column, ++to) {
-        const int right = led_to(column, steps[column]);
-        if (found_at(steps[column], parameters_.least_disparity) && right >= 0 &&
-            found_at(back[last - right], parameters_.least_disparity)) {
-          *to = static_cast<std::uint8_t>(agreement(steps[column], back[last - right]));
+        const int right = sim::led_to(column, steps[column]);
+        if (sim::found_at(steps[column], parameters_.least_disparity) && right >= 0 &&
+            sim::found_at(back[last - right], parameters_.least_disparity)) {
+          *to = static_cast<std::uint8_t>(sim::agreement(steps[column], back[last - right]));
         }
       }
     }
   }
 
-  StereoMatchingParameters parameters_;
-  WorkerPool pool_;
+  OpenCvMatcherParameters parameters_;
   cv::Ptr<cv::StereoSGBM> matcher_;
   cv::Ptr<cv::StereoSGBM> back_matcher_;
   cv::Mat forward_, backward_, low_, wide_, mirrored_left_, mirrored_right_;
@@ -135,9 +116,8 @@ class SemiGlobalMatcher final : public StereoMatcher {
 
 }  // namespace
 
-std::unique_ptr<StereoMatcher> make_semi_global_matcher(const StereoMatchingParameters& parameters,
-                                                        int threads) {
-  return std::make_unique<SemiGlobalMatcher>(parameters, threads);
+std::unique_ptr<sim::StereoMatcher> make_opencv_matcher(const OpenCvMatcherParameters& parameters) {
+  return std::make_unique<OpenCvMatcher>(parameters);
 }
 
-}  // namespace rigwire::sim
+}  // namespace rigwire::oracle

@@ -2,7 +2,8 @@
 # Installs what is missing of the lists of packages.txt that are named. Says nothing and takes no
 # rights when nothing is.
 #
-#   scripts/install-packages.sh LIST...      for example: build test
+#   scripts/install-packages.sh LIST...            for example: build test
+#   scripts/install-packages.sh --print LIST...    prints the lists' packages, installs nothing
 #
 # Some packages bring a daemon (gpsd). Whether it starts on installation is decided by the
 # machine's own policy; so that this script starts none, it installs with a policy of its own that
@@ -18,6 +19,11 @@ packages_of() {
     awk -v list="[$1]" '/^\[/ {inside = $0 == list; next} inside'
 }
 
+print=no
+if [ "${1:-}" = --print ]; then
+  print=yes
+  shift
+fi
 if [ $# = 0 ]; then
   echo "install-packages: no list, allowed: $(sed -n 's/^\[\(.*\)\].*/\1/p' "$root/packages.txt" | xargs)" >&2
   exit 2
@@ -31,6 +37,10 @@ for list in "$@"; do
   fi
   wanted+=("${of_list[@]}")
 done
+if [ $print = yes ]; then
+  printf '%s\n' "${wanted[@]}"
+  exit 0
+fi
 # Whatever is installed, and what that provides: a nodejs from elsewhere has its own npm. Of packages that
 # it never saw dpkg-query says nothing when it is asked for all.
 installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}, ${Provides}\n' |

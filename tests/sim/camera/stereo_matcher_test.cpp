@@ -15,26 +15,27 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr int kWidth = 160;
-constexpr int kHeight = 60;
-constexpr std::size_t kPixels = static_cast<std::size_t>(kWidth) * kHeight;
+constexpr int kPairWidth = 160;
+constexpr int kPairHeight = 60;
+constexpr std::size_t kPairPixels = static_cast<std::size_t>(kPairWidth) * kPairHeight;
 
 /// Noise with a pattern of a few pixels, the right picture `shift` columns farther left.
 struct Shifted {
-  explicit Shifted(int shift) : left(kPixels), right(kPixels) {
+  explicit Shifted(int shift) : left(kPairPixels), right(kPairPixels) {
     RandomStream random(5, "pattern");
-    std::vector<double> wide(static_cast<std::size_t>(kWidth + 64) * kHeight);
+    std::vector<double> wide(static_cast<std::size_t>(kPairWidth + 64) * kPairHeight);
     for (double& value : wide) {
       value = random.uniform(0.0, 255.0);
     }
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+    for (int y = 0; y < kPairHeight; ++y) {
+      for (int x = 0; x < kPairWidth; ++x) {
         const auto value = [&](int column) {
           const std::size_t at =
-              static_cast<std::size_t>(y) * (kWidth + 64) + static_cast<std::size_t>(column);
+              static_cast<std::size_t>(y) * (kPairWidth + 64) + static_cast<std::size_t>(column);
           return static_cast<std::uint8_t>((wide[at] + wide[at + 1]) / 2.0);
         };
-        const std::size_t at = static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x);
+        const std::size_t at =
+            static_cast<std::size_t>(y) * kPairWidth + static_cast<std::size_t>(x);
         left[at] = value(x);
         right[at] = value(x + shift);
       }
@@ -42,8 +43,8 @@ struct Shifted {
   }
   [[nodiscard]] StereoPair pair() const {
     StereoPair pair;
-    pair.width = kWidth;
-    pair.height = kHeight;
+    pair.width = kPairWidth;
+    pair.height = kPairHeight;
     pair.left = left;
     pair.right = right;
     return pair;
@@ -66,9 +67,10 @@ TEST(StereoMatcher, AShiftedPictureHasThatDisparityEverywhere) {
     DisparityPicture found;
     matcher->match(shifted.pair(), true, found);
     const int searched = least + 32;
-    for (int y = 5; y < kHeight - 5; ++y) {
-      for (int x = 0; x < kWidth - 5; ++x) {
-        const std::size_t at = static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x);
+    for (int y = 5; y < kPairHeight - 5; ++y) {
+      for (int x = 0; x < kPairWidth - 5; ++x) {
+        const std::size_t at =
+            static_cast<std::size_t>(y) * kPairWidth + static_cast<std::size_t>(x);
         if (x < searched - 1) {
           // The search would leave the right picture.
           ASSERT_EQ(found.disparity_px[at], DisparityPicture::kNone) << x;
@@ -103,15 +105,15 @@ TEST(StereoMatcher, ThreadsDoNotChangeIt) {
 TEST(StereoMatcher, FlatPicturesHaveNoDisparity) {
   StereoMatchingParameters parameters;
   parameters.disparities = 32;
-  const std::vector<std::uint8_t> flat(kPixels, 120);
+  const std::vector<std::uint8_t> flat(kPairPixels, 120);
   StereoPair pair;
-  pair.width = kWidth;
-  pair.height = kHeight;
+  pair.width = kPairWidth;
+  pair.height = kPairHeight;
   pair.left = flat;
   pair.right = flat;
   DisparityPicture found;
   make_stereo_matcher(parameters)->match(pair, true, found);
-  for (std::size_t i = 0; i < kPixels; ++i) {
+  for (std::size_t i = 0; i < kPairPixels; ++i) {
     ASSERT_EQ(found.disparity_px[i], DisparityPicture::kNone);
     ASSERT_EQ(found.confidence[i], 0);
   }
@@ -265,7 +267,7 @@ TEST(StereoMatcher, TheCensusWayIsThatOfItsEquations) {
   // A nearer square, a darker head, noise.
   for (int y = 20; y < 40; ++y) {
     for (int x = 60; x < 100; ++x) {
-      const std::size_t at = static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x);
+      const std::size_t at = static_cast<std::size_t>(y) * kPairWidth + static_cast<std::size_t>(x);
       shifted.right[at - 14] = shifted.left[at];
     }
   }
@@ -326,17 +328,17 @@ TEST(StereoMatcher, ADoubtfulDisparityHasLessConfidence) {
   RandomStream random(3, "noise");
   Shifted shifted(9);
   // In its lower half the right picture is noise.
-  for (std::size_t at = kPixels / 2; at < kPixels; ++at) {
+  for (std::size_t at = kPairPixels / 2; at < kPairPixels; ++at) {
     shifted.right[at] = static_cast<std::uint8_t>(random.uniform(0.0, 200.0));
   }
   DisparityPicture found;
   make_stereo_matcher(parameters)->match(shifted.pair(), true, found);
   double clear = 0.0;
   double noisy = 0.0;
-  for (int y = 5; y < kHeight - 5; ++y) {
-    for (int x = 40; x < kWidth - 5; ++x) {
-      const std::size_t at = static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x);
-      (y < kHeight / 2 ? clear : noisy) += found.confidence[at];
+  for (int y = 5; y < kPairHeight - 5; ++y) {
+    for (int x = 40; x < kPairWidth - 5; ++x) {
+      const std::size_t at = static_cast<std::size_t>(y) * kPairWidth + static_cast<std::size_t>(x);
+      (y < kPairHeight / 2 ? clear : noisy) += found.confidence[at];
     }
   }
   EXPECT_GT(clear, 5.0 * noisy);
@@ -357,29 +359,29 @@ TEST(StereoMatcher, TruthNeedsNoPicture) {
   const auto matcher = make_stereo_matcher(parameters);
   EXPECT_TRUE(matcher->needs_truth());
   // A step: near on the right half.
-  std::vector<float> left(kPixels, 10.0F);
-  std::vector<float> right(kPixels, 10.0F);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const std::size_t at = static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x);
+  std::vector<float> left(kPairPixels, 10.0F);
+  std::vector<float> right(kPairPixels, 10.0F);
+  for (int y = 0; y < kPairHeight; ++y) {
+    for (int x = 0; x < kPairWidth; ++x) {
+      const std::size_t at = static_cast<std::size_t>(y) * kPairWidth + static_cast<std::size_t>(x);
       left[at] = x >= 80 ? 5.0F : 10.0F;
       right[at] = x >= 60 ? 5.0F : 10.0F;
     }
   }
   left[0] = 0.0F;
   StereoPair pair;
-  pair.width = kWidth;
-  pair.height = kHeight;
+  pair.width = kPairWidth;
+  pair.height = kPairHeight;
   pair.left_depth_m = left;
   pair.right_depth_m = right;
   pair.focal_baseline_px_m = 100.0;  // 10 pixels at 10 m, 20 at 5 m
   DisparityPicture found;
   matcher->match(pair, true, found);
-  for (int x = 0; x < kWidth; ++x) {
+  for (int x = 0; x < kPairWidth; ++x) {
     const bool off = x < 10;                // leaves the right picture
     const bool hidden = x >= 70 && x < 80;  // behind the near half
     const float expected = off || hidden ? DisparityPicture::kNone : x >= 80 ? 20.0F : 10.0F;
-    EXPECT_EQ(found.disparity_px[static_cast<std::size_t>(x) + 5 * kWidth], expected) << x;
+    EXPECT_EQ(found.disparity_px[static_cast<std::size_t>(x) + 5 * kPairWidth], expected) << x;
   }
   EXPECT_EQ(found.disparity_px[0], DisparityPicture::kNone);
 }

@@ -120,7 +120,7 @@ def targets_of(label, name):
     if label == 'structure':
         return []
     if label == 'fuzz-corpus':
-        return [name.removeprefix('fuzz_corpus.') + '_corpus']
+        return ['corpus_tests']
     if name == 'benchmarks_run':
         return ['rigwire_benchmarks']
     return ['all']

@@ -72,7 +72,8 @@ class FakeRig : private emulators::StreamOutput {
   drivers::TcpServer server_;
   emulators::ModbusServer modbus_{{}, *this};
   emulators::ValveDriver valves_{{}};
-  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  mutable std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  mutable std::chrono::steady_clock::time_point looked_ = started_;  ///< When `now` was last asked.
   std::uint64_t steps_ = 0;
   PerJoint angles_rad_{0.2, 30.0 * kDegree, -90.0 * kDegree, 0.0};
   PerJoint rates_radps_{};

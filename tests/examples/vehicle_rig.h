@@ -76,7 +76,8 @@ class VehicleRig : private emulators::FrameOutput {
   drivers::UdpSocket lidar_;
   std::unique_ptr<emulators::VehicleGateway> gateway_;
   LocalPlane plane_{{49.4247, 7.7517}};
-  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  mutable std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  mutable std::chrono::steady_clock::time_point looked_ = started_;  ///< When `now` was last asked.
   std::uint64_t steps_ = 0;
   int gear_ = 0;
   bool parking_brake_ = true;

@@ -4,8 +4,10 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
@@ -14,15 +16,27 @@
 
 namespace rigwire::test {
 
-/// A port of loopback that was free a moment ago, never the same twice in one test program: who
-/// asked for it may open it later. From outside the range of the system's own choices, so that
-/// nobody else is given it meanwhile.
+/// Claims `name` for this process among all tests of the host that run at the same time. Returns
+/// false where another one has it. The claim ends with the process: it is a socket of that name,
+/// without a file.
+inline bool claim(const std::string& name) {
+  const std::string text = "rigwire-test " + name;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  text.copy(address.sun_path + 1, sizeof(address.sun_path) - 1);  // behind a 0: no file
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + text.size());
+  const int descriptor = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&address), length) == 0) {
+    return true;  // stays open
+  }
+  ::close(descriptor);
+  return false;
+}
+
+/// Returns a port of loopback that is free, and that no other test takes while this process runs;
+/// so is the port behind it. It is outside the range from which the system chooses.
 inline std::uint16_t free_port(int type) {
-  static int attempt = 0;
-  for (const int end = attempt + 200; attempt < end;) {
-    ++attempt;
-    const auto port =
-        static_cast<std::uint16_t>(10'000 + (::getpid() * 37 + attempt * 101) % 20'000);
+  const auto is_free = [type](std::uint16_t port) {
     const int descriptor = ::socket(AF_INET, type, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -31,11 +45,44 @@ inline std::uint16_t free_port(int type) {
     const bool free =
         ::bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
     ::close(descriptor);
-    if (free) {
+    return free;
+  };
+  static int attempt = 0;
+  for (const int end = attempt + 2000; attempt < end;) {
+    ++attempt;
+    const auto port =
+        static_cast<std::uint16_t>(10'000 + 2 * ((::getpid() * 37 + attempt * 101) % 10'000));
+    if (claim("port " + std::to_string(port)) && is_free(port)) {
       return port;
     }
   }
   throw std::runtime_error("no free port");
+}
+
+/// Whether somebody listens on that TCP port of loopback.
+inline bool port_answers(std::uint16_t port) {
+  const int descriptor = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const bool up =
+      ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+  ::close(descriptor);
+  return up;
+}
+
+/// Returns an address of loopback that no other test has while this process runs.
+inline std::string own_address() {
+  static int attempt = 0;
+  for (;;) {
+    const int number = (::getpid() * 37 + 101 * attempt++) % 16'000;
+    std::string address =
+        "127." + std::to_string(64 + number / 250) + "." + std::to_string(1 + number % 250) + ".2";
+    if (claim("address " + address)) {
+      return address;
+    }
+  }
 }
 
 /// A folder of its own, removed with the object, and the --set arguments that put every wire there.
@@ -58,17 +105,7 @@ class PrivateWires {
   PrivateWires& operator=(const PrivateWires&) = delete;
 
   /// Whether somebody listens on the Modbus port: in the rig's order the last wire to be opened.
-  [[nodiscard]] bool are_up() const {
-    const int descriptor = ::socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(modbus_port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const bool up =
-        ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
-    ::close(descriptor);
-    return up;
-  }
+  [[nodiscard]] bool are_up() const { return port_answers(modbus_port); }
 
   [[nodiscard]] std::string gnss() const { return (folder / "gnss").string(); }
   [[nodiscard]] std::string can() const { return (folder / "can").string(); }

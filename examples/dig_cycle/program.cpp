@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 constexpr std::uint64_t kTicksPerSecond = 1000ms / Program::kControlPeriod;
 constexpr std::uint64_t kTicksPerLogLine = 2;
 /// A control step is never taken for longer than this, whatever held the program up.
-constexpr double kLongestStep_s = 0.1;
+constexpr std::chrono::nanoseconds kLongestStep = 100ms;
 
 drivers::ModbusMasterSettings modbus_settings(const Options& options) {
   drivers::ModbusMasterSettings settings;
@@ -40,13 +40,13 @@ Program::Program(boost::asio::io_context& context, const Options& options)
       log_(options.log),
       gnss_([this] {
         if (gnss_.fix().positions > 0) {  // work begins at a known place; an outage later may pass
-          watch_.heard(Sensor::gnss, now());
+          watch_.heard(Sensor::gnss, watched_);
         }
       }),
       lidar_(
           surroundings_, [this] { return arm_shape(machine_, estimator_.belief().angles_rad); },
-          [this] { watch_.heard(Sensor::lidar, now()); }),
-      imu_(estimator_, options.imu, [this](Link link) { watch_.heard(imu_of(link), now()); }),
+          [this] { watch_.heard(Sensor::lidar, watched_); }),
+      imu_(estimator_, options.imu, [this](Link link) { watch_.heard(imu_of(link), watched_); }),
       gnss_line_(context,
                  {.path = options.gnss, .baud = options.gnss_baud, .wait_for_device = true}),
       lidar_socket_(context,
@@ -91,9 +91,10 @@ int Program::run() {
 void Program::control() {
   ++ticks_;
   const auto time = now();
-  const double step_s =
-      std::min(kLongestStep_s, std::chrono::duration<double>(time - last_control_).count());
+  const auto step = std::min(kLongestStep, time - last_control_);
+  const double step_s = std::chrono::duration<double>(step).count();
   last_control_ = time;
+  watched_ += step;
   take_valves();
   if (ticks_ % kTicksPerSecond == 1) {
     tend_wires();
@@ -103,7 +104,7 @@ void Program::control() {
   }
 
   if (state_ == State::working) {
-    if (const auto silent = watch_.silent(time)) {
+    if (const auto silent = watch_.silent(watched_)) {
       const std::string what = std::string(dig_cycle::name(*silent)) + " is silent";
       if (!options_.wait) {
         return stop(exit_silent_sensor, what + "; valves neutral and disabled");
@@ -111,12 +112,12 @@ void Program::control() {
       say(what + "; holding");
       state_ = State::holding;
     }
-  } else if (watch_.all_alive(time) && estimator_.belief().ready) {
+  } else if (watch_.all_alive(watched_) && estimator_.belief().ready) {
     say("all sensors alive; working");
     cycle_.hold();
     state_ = State::working;
   } else if (ticks_ % (2 * kTicksPerSecond) == 0) {
-    say("waiting for " + watch_.absent(time) +
+    say("waiting for " + watch_.absent(watched_) +
         (valves_.error().empty() ? "" : " (valves: " + valves_.error() + ")"));
   }
   work(step_s);
@@ -141,7 +142,7 @@ void Program::take_valves() {
   // A driver that answers while its transducers stand still is as silent as one that does not.
   if (measurement_count_ != valve_state_->measurement_count) {
     measurement_count_ = valve_state_->measurement_count;
-    watch_.heard(Sensor::valves, now());
+    watch_.heard(Sensor::valves, watched_);
     estimator_.swing(valve_state_->swing_rad, valve_state_->swing_rate_radps);
   }
 }

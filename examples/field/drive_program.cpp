@@ -16,7 +16,7 @@ constexpr std::chrono::milliseconds kPeriod{VehicleWire::kTick_ms};
 constexpr std::uint64_t kTicksPerSecond = 1000ms / kPeriod;
 constexpr std::uint64_t kTicksPerLogLine = 5;
 /// A step is never taken for longer than this, whatever held the program up.
-constexpr double kLongestStep_s = 0.1;
+constexpr std::chrono::nanoseconds kLongestStep = 100ms;
 /// Fixes that are averaged before the machine moves.
 constexpr int kSettlingFixes = 3;
 constexpr double kAtRest_mps = 0.03;
@@ -45,9 +45,9 @@ DriveProgram::DriveProgram(boost::asio::io_context& context, std::string_view na
       watch_(devices(options)),
       estimator_(options.estimator),
       log_(options.log),
-      gnss_([this] { watch_.heard(gnss_device, now()); }),
-      vehicle_(options.vehicle, {.gateway = [this] { watch_.heard(gateway_device, now()); },
-                                 .imu = [this] { watch_.heard(imu_device, now()); }}),
+      gnss_([this] { watch_.heard(gnss_device, watched_); }),
+      vehicle_(options.vehicle, {.gateway = [this] { watch_.heard(gateway_device, watched_); },
+                                 .imu = [this] { watch_.heard(imu_device, watched_); }}),
       lidar_({.revolution = [this] { mission_.finish_revolution(); },
               .points =
                   [this](auto points) {
@@ -55,7 +55,7 @@ DriveProgram::DriveProgram(boost::asio::io_context& context, std::string_view na
                       mission_.see(options_.lidar_mount.to_body({point.x_m, point.y_m, point.z_m}));
                     }
                   },
-              .heard = [this] { watch_.heard(lidar_device, now()); }}),
+              .heard = [this] { watch_.heard(lidar_device, watched_); }}),
       gnss_line_(context,
                  {.path = options.gnss, .baud = options.gnss_baud, .wait_for_device = true}),
       can_(context, options.can),
@@ -117,9 +117,10 @@ double DriveProgram::speed_mps() const {
 void DriveProgram::control() {
   ++ticks_;
   const auto time = now();
-  const double step_s =
-      std::min(kLongestStep_s, std::chrono::duration<double>(time - last_).count());
+  const auto step = std::min(kLongestStep, time - last_);
+  const double step_s = std::chrono::duration<double>(step).count();
   last_ = time;
+  watched_ += step;
   if (ticks_ % kTicksPerSecond == 1) {
     can_.tend(time - last_frame_ > 1s);
   }
@@ -133,17 +134,17 @@ void DriveProgram::control() {
     stop(exit_done, "time is over");
   }
   if (state_ == State::settling || state_ == State::driving) {
-    if (const auto silent = watch_.silent(time)) {
+    if (const auto silent = watch_.silent(watched_)) {
       stop(exit_silent_sensor, std::string(watch_.name(*silent)) + " is silent; braking");
     }
   }
   switch (state_) {
     case State::waiting:
-      if (watch_.all_alive(time)) {
+      if (watch_.all_alive(watched_)) {
         say("all devices alive; taking the first fixes");
         state_ = State::settling;
       } else if (ticks_ % (2 * kTicksPerSecond) == 0) {
-        say("waiting for " + watch_.absent(time));
+        say("waiting for " + watch_.absent(watched_));
       }
       orders_ = mission_.halt(vehicle_.readings(), std::abs(speed_mps()) < kAtRest_mps);
       break;

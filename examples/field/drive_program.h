@@ -128,6 +128,9 @@ class DriveProgram {
   boost::asio::steady_timer timer_;
   Clock::time_point next_{};
   std::chrono::nanoseconds last_{0};
+  /// The clock of `watch_`: it stands while the program itself is held up, so that no device is
+  /// called silent for what waits to be read.
+  std::chrono::nanoseconds watched_{0};
   std::chrono::nanoseconds last_frame_{0};
   std::chrono::nanoseconds stop_began_{0};
   std::chrono::nanoseconds at_rest_since_{0};

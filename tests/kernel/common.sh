@@ -5,18 +5,22 @@
 # shellcheck disable=SC2046  # one word per process
 trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
 
-# wait_until SECONDS DESCRIPTION COMMAND...: polls until the command succeeds; fails with the
-# description when it has not within the time, three times over for an emulated processor beside
-# other tests.
+# A descriptor that never has anything to read: `read` with a time-out waits without a process.
+mkfifo nothing
+exec {nothing}<>nothing
+pause() { read -rt "$1" -u "$nothing" || true; }
+
+# wait_until SECONDS DESCRIPTION COMMAND...: polls until the command succeeds. Fails with the
+# description after six times SECONDS: the processor is emulated and shared with other tests.
 wait_until() {
-  local deadline=$((SECONDS + 3 * $1)) what=$2
+  local deadline=$((SECONDS + 6 * $1)) what=$2
   shift 2
   until "$@" >/dev/null 2>&1; do
     if [ $SECONDS -gt "$deadline" ]; then
       echo "FAILED: waited in vain for: $what" >&2
       return 1
     fi
-    sleep 0.05
+    pause 0.05
   done
 }
 

@@ -12,10 +12,9 @@ need_gs_usb() {
   }
 }
 
-# start_adapter PORT: serves the bus with the emulated adapter, for as long as the slowest guest
-# takes; its process id is in $peer.
+# start_adapter PORT: serves the bus with the emulated adapter; its process id is in $peer.
 start_adapter() {
-  "$BINARY_DIR/tests/kernel/kernel_gs_usb_peer" "$1" 300 >peer.log 2>&1 &
+  "$BINARY_DIR/tests/kernel/kernel_gs_usb_peer" "$1" >peer.log 2>&1 &
   # shellcheck disable=SC2034  # for the caller
   peer=$!
   wait_until 10 "the USB/IP server" grep -q '^serving 1-1' peer.log

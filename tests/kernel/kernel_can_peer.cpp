@@ -5,9 +5,9 @@
 //   kernel_can_peer socketcan:INTERFACE|slcan:LINK [SERIAL [SECONDS [imu|encoder|mti]]]
 //
 // The unit stands still, nose up by 5 degrees. In its place `encoder` is a CANopen encoder of
-// node-ID 0x20 that stands at a quarter turn, `mti` an Xsens MTi-600. Ends after SECONDS (20) or on
-// SIGTERM, then prints what it sent and received. Every SIGUSR1 makes the client's controller say
-// that it is worse off: no acknowledgement, warning, passive, bus-off, and then well again.
+// node-ID 0x20 that stands at a quarter turn, `mti` an Xsens MTi-600. Ends after SECONDS (600) or
+// on SIGTERM, then prints what it sent and received. Every SIGUSR1 makes the client's controller
+// say that it is worse off: no acknowledgement, warning, passive, bus-off, and then well again.
 #include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
@@ -273,7 +273,7 @@ int main(int argument_count, char** arguments) {
       return argument_count > index ? std::strtol(arguments[index], nullptr, 0) : fallback;
     };
     run(arguments[1], static_cast<std::uint32_t>(number(2, 0x12345)),
-        std::chrono::seconds{number(3, 20)}, argument_count > 4 ? arguments[4] : "imu");
+        std::chrono::seconds{number(3, 600)}, argument_count > 4 ? arguments[4] : "imu");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "kernel_can_peer: %s\n", error.what());
     return 1;

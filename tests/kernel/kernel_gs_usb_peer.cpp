@@ -4,8 +4,8 @@
 //
 //   kernel_gs_usb_peer PORT [SECONDS [BIT_RATE_BPS]]
 //
-// Serves 127.0.0.1:PORT. SIGUSR1 pulls the adapter out, or puts it back. Ends after SECONDS (60) or
-// on SIGTERM, then prints what the bus and the adapter counted.
+// Serves 127.0.0.1:PORT. SIGUSR1 pulls the adapter out, or puts it back. Ends after SECONDS (600)
+// or on SIGTERM, then prints what the bus and the adapter counted.
 #include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
@@ -217,7 +217,7 @@ int main(int argument_count, char** arguments) {
     const auto number = [&](int index, long fallback) {
       return argument_count > index ? std::strtol(arguments[index], nullptr, 0) : fallback;
     };
-    run(static_cast<std::uint16_t>(number(1, 3240)), std::chrono::seconds{number(2, 60)},
+    run(static_cast<std::uint16_t>(number(1, 3240)), std::chrono::seconds{number(2, 600)},
         static_cast<std::uint32_t>(number(3, 250'000)));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "kernel_gs_usb_peer: %s\n", error.what());

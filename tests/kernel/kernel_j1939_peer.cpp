@@ -3,7 +3,7 @@
 //
 //   kernel_j1939_peer INTERFACE [ADDRESS [SERIAL [SECONDS]]]
 //
-// The machine stands with its engine at idle. Ends after SECONDS (30) or on SIGTERM, then prints
+// The machine stands with its engine at idle. Ends after SECONDS (600) or on SIGTERM, then prints
 // what it sent and received.
 #include <linux/can.h>
 #include <linux/can/raw.h>
@@ -123,7 +123,7 @@ int main(int argument_count, char** arguments) {
       return argument_count > index ? std::strtol(arguments[index], nullptr, 0) : fallback;
     };
     run(arguments[1], static_cast<std::uint8_t>(number(2, 0x27)),
-        static_cast<std::uint32_t>(number(3, 0x12345)), std::chrono::seconds{number(4, 30)});
+        static_cast<std::uint32_t>(number(3, 0x12345)), std::chrono::seconds{number(4, 600)});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "kernel_j1939_peer: %s\n", error.what());
     return 1;

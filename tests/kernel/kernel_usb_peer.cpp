@@ -6,7 +6,8 @@
 // Serves 127.0.0.1:PORT; the receiver is 1-1, the joystick 1-2. The receiver drives north-east; the
 // left stick sweeps its whole way right and left in four seconds, button 1 is down on the right
 // half. Says on standard output how the host has set the serial line. SIGUSR1 pulls the receiver
-// out, or puts it back. Ends after SECONDS (60) or on SIGTERM, then prints what went over the wire.
+// out, or puts it back. Ends after SECONDS (600) or on SIGTERM, then prints what went over the
+// wire.
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
@@ -210,7 +211,7 @@ int main(int argument_count, char** arguments) {
     return 2;
   }
   try {
-    const long seconds = argument_count > 2 ? std::strtol(arguments[2], nullptr, 10) : 60;
+    const long seconds = argument_count > 2 ? std::strtol(arguments[2], nullptr, 10) : 600;
     run(static_cast<std::uint16_t>(std::strtol(arguments[1], nullptr, 10)),
         std::chrono::seconds{seconds});
   } catch (const std::exception& error) {

@@ -5,7 +5,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 
 record dump
-start_peer "socketcan:$CAN" 0x12345 60
+start_peer "socketcan:$CAN" 0x12345
 stdbuf -oL canbusload "$CAN@250000" -e >load &
 # Whole seconds, the first of them possibly cut: "vcan0@250000  frames  bits  data bits  percent".
 seconds() { [ "$(count load "^ *$CAN@250000 +[23][0-9]{2} ")" -ge 5 ]; }

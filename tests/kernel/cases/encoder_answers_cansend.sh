@@ -5,7 +5,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 
 record dump
-"$BINARY_DIR/tests/kernel/kernel_can_peer" "socketcan:$CAN" 1 40 encoder >peer.log 2>&1 &
+"$BINARY_DIR/tests/kernel/kernel_can_peer" "socketcan:$CAN" 1 600 encoder >peer.log 2>&1 &
 peer=$!
 expect_line dump ' 720#00$' 20
 

@@ -40,7 +40,13 @@ expect_line impatient 'No buffer space available' 0
 
 ip -details -statistics link show "$CAN" >link
 expect_line link 'state ERROR-ACTIVE' 0
-sleep 0.2
+# The queue is in order: when a last frame has been on the wire, all before it have.
+stdbuf -oL candump -L "$CAN,702:7FF" >last_frame &
+recorder=$!
+wait_until 10 "candump to listen" more_listeners_than 0
+wait_until 20 "room in the queue" cansend "$CAN" 702#
+expect_line last_frame ' 702#' 20
+kill "$recorder"
 end_adapter
 check_range "frames abandoned" "$(counted abandoned)" 0 0
 check_range "frames handed over and not returned" "$(($(counted from_host) - $(counted echoed)))" 0 0

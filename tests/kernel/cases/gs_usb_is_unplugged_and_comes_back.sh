@@ -19,7 +19,7 @@ use() {
 use first
 cangen "$CAN" -g 0 -p 100 -I 700 >cangen.log 2>&1 &
 sender=$!
-sleep 0.2
+expect_line first ' 700#' 20
 kill -USR1 "$peer"
 wait_until 20 "the interface to go" interface_gone
 expect_line peer.log '^unplugged' 5

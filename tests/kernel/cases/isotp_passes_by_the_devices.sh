@@ -5,7 +5,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 
 record dump
-start_peer "socketcan:$CAN" 0x12345 60
+start_peer "socketcan:$CAN" 0x12345
 seq 100 | xargs printf '%02X ' >message # 1 .. 100
 isotprecv -s 321 -d 123 "$CAN" >received &
 receiver=$!

@@ -23,7 +23,7 @@ lower=$!
 expect_line dump ' 18EEFF80#4200000000000000' 20
 expect_line dump ' 18EEFFFE#4523010000860020' 20
 frames=$(count dump '^.* 0CF00480#')
-sleep 0.5
+pause 0.5
 check_range "engine messages after the loss" $(($(count dump '^.* 0CF00480#') - frames)) 0 0
 kill "$lower" && wait "$lower" || true
 

@@ -5,7 +5,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 
 record dump
-"$BINARY_DIR/tests/kernel/kernel_can_peer" "socketcan:$CAN" 1 40 mti >peer.log 2>&1 &
+"$BINARY_DIR/tests/kernel/kernel_can_peer" "socketcan:$CAN" 1 600 mti >peer.log 2>&1 &
 peer=$!
 enough() { [ "$(count dump ' 034#')" -ge 200 ]; }
 wait_until 20 "200 acceleration messages" enough

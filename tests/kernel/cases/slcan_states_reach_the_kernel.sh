@@ -5,7 +5,7 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 
-"$BINARY_DIR/tests/kernel/kernel_can_peer" "slcan:$WORK/adapter" 0x12345 60 >peer.log 2>&1 &
+"$BINARY_DIR/tests/kernel/kernel_can_peer" "slcan:$WORK/adapter" 0x12345 >peer.log 2>&1 &
 peer=$!
 wait_until 10 "the pty" test -e "$WORK/adapter"
 CAN=slcan_test

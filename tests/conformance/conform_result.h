@@ -33,11 +33,10 @@ struct Conformed {
 };
 
 /// `arguments` behind the word conform; files go to `folder`.
-inline Conformed conformed(const std::filesystem::path& folder, const std::string& arguments,
-                           int seconds = 120) {
+inline Conformed conformed(const std::filesystem::path& folder, const std::string& arguments) {
   const std::string file = (folder / "result.json").string();
   const ProgramResult ran =
-      run_program(RIGWIRE_BINARY_DIR "/rigwire conform " + arguments + " --json " + file, seconds);
+      run_program(RIGWIRE_BINARY_DIR "/rigwire conform " + arguments + " --json " + file);
   Conformed found{ran.exit_code, ran.text, {}};
   if (std::ifstream stream(file); stream) {
     found.result = nlohmann::json::parse(stream);

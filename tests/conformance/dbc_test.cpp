@@ -69,7 +69,7 @@ class Dbc : public testing::Test {
     lines.close();
     test::ChildProcess reader({"/usr/bin/python3", "-c", kReader, dbc, log.string()},
                               wires_.folder / "output");
-    EXPECT_EQ(reader.wait(30s), 0) << reader.output();
+    EXPECT_EQ(reader.wait(), 0) << reader.output();
     std::vector<Json> objects;
     std::istringstream output(reader.output());
     for (std::string line; std::getline(output, line);) {

@@ -22,6 +22,8 @@ import sys
 import time
 
 source, binaries, scratch = (pathlib.Path(argument) for argument in sys.argv[1:4])
+PATIENCE_S = 250  # for what hangs
+AT_LEAST_S = 2  # that a program which goes on is looked at
 
 PROGRAMS = (r"(build/|scripts/|\./(demo|check)\b|(sudo|rigwire|dig_cycle|path_follow|roll_lane|gpsd|cgps|"
             r"gpspipe|ubxtool|candump|cansend|canbusload|ip|slcand|socketcand|mbpoll|tshark|curl|nc|"
@@ -203,15 +205,14 @@ def neighbours(beside):
     rig = RIGS.get(beside[0], beside[0])
     running = [Running(f"rigwire run {rig} --status none --ready-fd {ready}", beside[0], (ready,))]
     os.close(ready)
-    select.select([is_ready], [], [], 120)
+    select.select([is_ready], [], [], PATIENCE_S)
     os.close(is_ready)
-    time.sleep(5)  # receivers boot for two seconds, and their first fixes wander
     running += [Running(program, program.split()[0]) for program in beside[1:]]
     return running
 
 
 def wait_until_open(host, port):
-    end = time.monotonic() + 60
+    end = time.monotonic() + PATIENCE_S
     while time.monotonic() < end:
         try:
             socket.create_connection((host, port), 1).close()
@@ -223,14 +224,14 @@ def wait_until_open(host, port):
 def judge(command, how, expected):
     """What is wrong with it, or nothing."""
     run = f"script -qec '{command}' /dev/null" if command.startswith("cgps") else command
-    program = Running(run if how == "goes on" else f"timeout 180 bash -c {quoted(run)}", command)
+    program = Running(run if how == "goes on" else f"timeout {PATIENCE_S} bash -c {quoted(run)}", command)
     if how == "ends":
-        if not program.ended(70) or program.process.returncode != 0:
+        if not program.ended(PATIENCE_S) or program.process.returncode != 0:
             return f"exit code {program.process.returncode}\n{program.output()}"
     else:
-        end = time.monotonic() + 30
-        while (time.monotonic() < end and not program.ended(1) and
-               not (time.monotonic() > end - 26 and
+        began = time.monotonic()
+        while (time.monotonic() < began + PATIENCE_S and not program.ended(0.2) and
+               not (time.monotonic() > began + AT_LEAST_S and
                     (expected is None or re.search(expected, program.output())))):
             pass
         if program.process.poll() is not None:

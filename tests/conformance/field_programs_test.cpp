@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "child_process.h"
@@ -22,6 +24,11 @@ using Json = nlohmann::json;
 using test::ChildProcess;
 using test::eventually;
 using testing::HasSubstr;
+
+double distance_m(const Json& a, const Json& b) {
+  return std::hypot(a["position_m"][0].get<double>() - b["position_m"][0].get<double>(),
+                    a["position_m"][1].get<double>() - b["position_m"][1].get<double>());
+}
 
 class FieldPrograms : public testing::Test {
  protected:
@@ -77,27 +84,31 @@ class FieldPrograms : public testing::Test {
     return records;
   }
 
+  /// How far the machine has come.
+  [[nodiscard]] double way_m() const {
+    std::this_thread::sleep_for(200ms);
+    const std::vector<Json> records = truth();
+    return records.empty() ? 0.0 : distance_m(records.front(), records.back());
+  }
+
   test::PrivateWires wires_;
 };
-
-double distance_m(const Json& a, const Json& b) {
-  return std::hypot(a["position_m"][0].get<double>() - b["position_m"][0].get<double>(),
-                    a["position_m"][1].get<double>() - b["position_m"][1].get<double>());
-}
 
 TEST_F(FieldPrograms, PathFollowDrivesTheUnimogAlongTheTrackAndStops) {
   ChildProcess rig_process(rig("unimog_forest"), file("rig.log"));
   ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig_process.output();
   ChildProcess driver(
       program("path_follow", {"--path", RIGWIRE_SOURCE_DIR "/configs/paths/forest_track.csv",
-                              "--antenna", "3.2,0", "--duration", "16s"}),
+                              "--antenna", "3.2,0"}),
       file("driver.log"));
-  EXPECT_EQ(driver.wait(40s), 0) << driver.output();
+  EXPECT_TRUE(eventually([&] { return way_m() > 9.0; })) << driver.output();
+  driver.signal(SIGINT);
+  EXPECT_EQ(driver.wait(), 0) << driver.output();
   rig_process.signal(SIGINT);
-  EXPECT_EQ(rig_process.wait(10s), 130) << rig_process.output();
+  EXPECT_EQ(rig_process.wait(), 130) << rig_process.output();
 
   const std::vector<Json> records = truth();
-  ASSERT_GT(records.size(), 500U);
+  ASSERT_FALSE(records.empty());
   EXPECT_GT(distance_m(records.front(), records.back()), 8.0) << driver.output();
   // The track runs along the x axis there, between y = 0 and y = -2.4 m.
   for (const Json& record : records) {
@@ -112,15 +123,15 @@ TEST_F(FieldPrograms, PathFollowDrivesTheUnimogAlongTheTrackAndStops) {
 TEST_F(FieldPrograms, RollLaneRollsInCrabOffset) {
   ChildProcess rig_process(rig("roller_road"), file("rig.log"));
   ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig_process.output();
-  ChildProcess driver(program("roll_lane", {"--lanes", "1", "--length", "26", "--transition", "8"}),
+  ChildProcess driver(program("roll_lane", {"--lanes", "1", "--length", "18", "--transition", "8"}),
                       file("driver.log"));
-  EXPECT_EQ(driver.wait(60s), 0) << driver.output();
+  EXPECT_EQ(driver.wait(), 0) << driver.output();
   rig_process.signal(SIGINT);
-  EXPECT_EQ(rig_process.wait(10s), 130) << rig_process.output();
+  EXPECT_EQ(rig_process.wait(), 130) << rig_process.output();
 
   const std::vector<Json> records = truth();
-  ASSERT_GT(records.size(), 1000U);
-  EXPECT_NEAR(distance_m(records.front(), records.back()), 26.0, 2.0);
+  ASSERT_FALSE(records.empty());
+  EXPECT_NEAR(distance_m(records.front(), records.back()), 18.0, 2.0);
   double crab_rad = 0.0;
   for (const Json& record : records) {
     EXPECT_LT(std::abs(record["position_m"][1].get<double>() + 3.0), 1.5) << record["sim_s"];

@@ -226,7 +226,7 @@ Score look(const Place& place) {
                                    "--wait"};
   program.insert(program.end(), place.options.begin(), place.options.end());
   ChildProcess finder(program, wires.folder / "finder.log");
-  EXPECT_TRUE(eventually([&] { return lines(log).size() >= kPictures; }, 300s))
+  EXPECT_TRUE(eventually([&] { return lines(log).size() >= kPictures; }))
       << lines(log).size() << " pictures\n"
       << rig.output() << finder.output();
   finder.signal(SIGINT);
@@ -291,14 +291,14 @@ class Swing {
       : master_({.port = port, .connect_timeout = 5000ms, .response_timeout = 5000ms}) {}
 
   void begin() {
-    ASSERT_TRUE(eventually([&] { return static_cast<bool>(master_.connect()); }, 60s));
+    ASSERT_TRUE(eventually([&] { return static_cast<bool>(master_.connect()); }));
     ASSERT_TRUE(master_.write_register(16, 0));  // without a watchdog
     ASSERT_TRUE(master_.write_register(0, 1));   // enabled
   }
   /// Left from where it began, past that angle.
   void to(double angle_deg) {
     ASSERT_TRUE(master_.write_register(1, 600));
-    EXPECT_TRUE(eventually([&] { return angle_deg_now() >= angle_deg; }, 120s));
+    EXPECT_TRUE(eventually([&] { return angle_deg_now() >= angle_deg; }));
     ASSERT_TRUE(master_.write_register(1, 0));
   }
   double angle_deg_now() {
@@ -363,7 +363,7 @@ TEST(FindRocksLive, DISABLED_SwingingOverThePitItReportsTheRocksInRange) {
       ASSERT_FALSE(HasFatalFailure()) << rig.output();
     }
     const std::size_t before = lines(log).size();
-    ASSERT_TRUE(eventually([&] { return lines(log).size() >= before + kRemembered; }, 120s))
+    ASSERT_TRUE(eventually([&] { return lines(log).size() >= before + kRemembered; }))
         << lines(log).size() - before << " pictures\n"
         << rig.output() << finder.output();
     stops.push_back({kYaw_deg + swing.angle_deg_now(), lines(log).back()});

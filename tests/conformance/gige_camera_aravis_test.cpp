@@ -8,8 +8,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,15 +53,13 @@ class Client {
  public:
   /// Tries until it is there.
   explicit Client(const std::string& address) {
-    EXPECT_TRUE(test::eventually(
-        [&] {
-          GError* error = nullptr;
-          camera_.reset(arv_camera_new(address.c_str(), &error));
-          g_clear_error(&error);
-          return camera_ != nullptr;
-        },
-        60s))
-        << "no camera at " << address;
+    EXPECT_TRUE(test::eventually([&] {
+      GError* error = nullptr;
+      camera_.reset(arv_camera_new(address.c_str(), &error));
+      g_clear_error(&error);
+      return camera_ != nullptr;
+    })) << "no camera at "
+        << address;
     arv_camera_gv_set_stream_options(camera_.get(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
     arv_camera_gv_set_packet_size_adjustment(camera_.get(), ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
   }
@@ -80,7 +80,7 @@ class Client {
   void stop() { arv_camera_stop_acquisition(get(), Outcome("stop")); }
 
   /// The next picture, whole; null when none comes within the patience.
-  Buffer next(std::chrono::milliseconds patience = 20s) {
+  Buffer next(std::chrono::milliseconds patience = test::kPatience) {
     Buffer buffer(arv_stream_timeout_pop_buffer(
         stream_.get(), static_cast<guint64>(std::chrono::microseconds(patience).count())));
     if (buffer) {
@@ -167,8 +167,10 @@ TEST(GigeCameraAravis, cameras_on_one_line_expose_together) {
   const std::string left = own_address();
   const std::string right = own_address();
   const std::string line = "    line: {first: 130 ms, period: 200 ms}\n    processing: 1 s\n";
+  // A second of the wall's time for a pair of pictures: neither camera skips a pulse.
   GigeCameraRig rig(camera_yaml("left", "gige-camera", left, line) +
-                    camera_yaml("right", "gige-camera", right, line));
+                        camera_yaml("right", "gige-camera", right, line),
+                    {"--clock", "scaled:0.2"});
   Client a(left);
   Client b(right);
   for (const Client* client : {&a, &b}) {
@@ -176,23 +178,23 @@ TEST(GigeCameraAravis, cameras_on_one_line_expose_together) {
   }
   a.start();
   b.start();
-  std::vector<guint64> of_a;
-  std::vector<guint64> of_b;
-  for (int i = 0; i < 10; ++i) {
+  std::set<guint64> of_a;
+  std::set<guint64> of_b;
+  std::vector<guint64> both;
+  // One starts a little later, and a busy machine may let one of them skip a pulse; they see the
+  // same.
+  while (both.size() < 3) {
     const Buffer one = a.next();
     const Buffer other = b.next();
-    ASSERT_TRUE(one && other) << i;
-    of_a.push_back(arv_buffer_get_timestamp(one.get()));
-    of_b.push_back(arv_buffer_get_timestamp(other.get()));
-    EXPECT_EQ(of_a.back() % 200'000'000, 130'000'000U);
-    EXPECT_EQ(of_b.back() % 200'000'000, 130'000'000U);
+    ASSERT_TRUE(one && other);
+    of_a.insert(arv_buffer_get_timestamp(one.get()));
+    of_b.insert(arv_buffer_get_timestamp(other.get()));
+    EXPECT_EQ(*of_a.rbegin() % 200'000'000, 130'000'000U);
+    EXPECT_EQ(*of_b.rbegin() % 200'000'000, 130'000'000U);
+    ASSERT_LT(of_a.size(), 100U) << "they never expose together";
+    both.clear();
+    std::ranges::set_intersection(of_a, of_b, std::back_inserter(both));
   }
-  // One started a little later; after that they saw the same pulses.
-  std::size_t both = 0;
-  for (const guint64 stamp : of_a) {
-    both += static_cast<std::size_t>(std::ranges::count(of_b, stamp));
-  }
-  EXPECT_GE(both, 5U);
 }
 
 /// Of ComponentIDValue (SFNC).
@@ -216,7 +218,7 @@ TEST(GigeCameraAravis, stereo_camera_sends_image_disparity_and_confidence_in_one
   client.start();
   Buffer picture;
   for (int i = 0; i < 4; ++i) {  // automatic exposure settles
-    picture = client.next(60s);
+    picture = client.next();
     ASSERT_TRUE(picture) << i;
   }
   ASSERT_EQ(arv_buffer_get_n_parts(picture.get()), 3U);
@@ -286,7 +288,7 @@ TEST(GigeCameraAravis, depth_camera_sends_ranges_that_are_true) {
   EXPECT_TRUE(arv_camera_get_boolean(client.get(), "Scan3dInvalidDataFlag", Outcome("flag")));
   EXPECT_GT(scale_mm, 0.0);
   client.start();
-  const Buffer picture = client.next(60s);
+  const Buffer picture = client.next();
   ASSERT_TRUE(picture);
   ASSERT_EQ(arv_buffer_get_n_parts(picture.get()), 3U);
   const gint found = arv_buffer_find_component(picture.get(), kRange);

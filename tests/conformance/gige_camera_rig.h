@@ -12,13 +12,7 @@
 
 namespace rigwire::conformance {
 
-/// An address of loopback that nobody else in this test program has, nor one that runs beside it.
-inline std::string own_address() {
-  static int next = 0;
-  const int number = ::getpid() % 16'000;
-  return "127." + std::to_string(64 + number / 250) + "." + std::to_string(1 + number % 250) + "." +
-         std::to_string(2 + next++ % 250);
-}
+using test::own_address;
 
 /// Runs while it lives.
 class GigeCameraRig {

@@ -1,7 +1,7 @@
 // The daemon itself: Debian's gpsd, unmodified, opens a pseudo-terminal on which the emulated
 // receiver lives in real time; it must find out what it is, configure it, and report the truth.
 //
-// The programs are required dependencies: without them the test fails. Bounded by kPatience.
+// The programs are required dependencies: without them the test fails. Every wait is bounded.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -22,8 +22,10 @@
 #include <string>
 #include <vector>
 
+#include "child_process.h"
 #include "drivers/descriptor.h"
 #include "emulators/ublox/receiver.h"
+#include "private_wires.h"
 
 namespace rigwire {
 namespace {
@@ -33,7 +35,6 @@ using drivers::Descriptor;
 using Json = nlohmann::json;
 using WallClock = std::chrono::steady_clock;
 
-constexpr auto kPatience = 40s;
 constexpr double kLatitude_deg = 49.4240123;
 constexpr double kLongitude_deg = 7.7510456;
 constexpr double kHeight_m = 328.25;
@@ -61,20 +62,6 @@ class Daemon {
  private:
   pid_t process_;
 };
-
-/// A port that is free at this moment.
-std::uint16_t free_port() {
-  const Descriptor socket(::socket(AF_INET, SOCK_STREAM, 0));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof address;
-  if (::bind(socket.get(), reinterpret_cast<sockaddr*>(&address), length) != 0 ||
-      ::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&address), &length) != 0) {
-    return 0;
-  }
-  return ntohs(address.sin_port);
-}
 
 /// The receiver on the master side of a pseudo-terminal: bytes wait until they are due.
 class Line final : public emulators::ByteOutput {
@@ -200,8 +187,7 @@ TEST(GpsdLive, FindsTheReceiverConfiguresItAndReportsTheTruth) {
   emulators::UbloxSettings settings;
   settings.baud = 38400;
   emulators::UbloxReceiver receiver(settings, calendar, line);
-  const std::uint16_t port = free_port();
-  ASSERT_NE(port, 0);
+  const std::uint16_t port = test::free_port(SOCK_STREAM);
   const Daemon daemon(line.name(), port);
   Watcher watcher(port);
 
@@ -217,7 +203,7 @@ TEST(GpsdLive, FindsTheReceiverConfiguresItAndReportsTheTruth) {
     return fix_from_nmea && fix_from_ubx && leap_seconds && sky &&
            version.find("PROTVER 14.00") != std::string::npos;
   };
-  while (!complete() && WallClock::now() - start < kPatience) {
+  while (!complete() && WallClock::now() - start < test::kPatience) {
     ASSERT_TRUE(daemon.running()) << "gpsd is missing or has ended";
     const SimTime now = kStart + std::chrono::duration_cast<Duration>(WallClock::now() - start);
     for (SimTime due = receiver.sample_plan().next_after(last_sample); due <= now;

@@ -33,7 +33,7 @@ TEST(LidarNamespace, DriverThatFiltersOnTheSensorsAddressHearsIt) {
 import json, socket, subprocess, sys, time, urllib.request
 link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 link.bind(('', 2368))
-link.settimeout(20)
+link.settimeout(200)
 rig = subprocess.Popen(sys.argv[1:])
 def hear(count):
     heard = 0
@@ -44,10 +44,10 @@ def hear(count):
             heard += 1
 try:
     hear(100)
-    with urllib.request.urlopen('http://192.168.1.201/cgi/settings.json', timeout=5) as answer:
+    with urllib.request.urlopen('http://192.168.1.201/cgi/settings.json', timeout=200) as answer:
         assert json.loads(answer.read())['host']['addr'] == '255.255.255.255'
     with urllib.request.urlopen('http://192.168.1.201/cgi/setting/host',
-                                data=b'addr=192.168.1.100', timeout=5) as answer:
+                                data=b'addr=192.168.1.100', timeout=200) as answer:
         assert answer.status == 204
     hear(100)
 finally:
@@ -59,7 +59,7 @@ print('heard')
       {RIGWIRE_SOURCE_DIR "/scripts/lidar-namespace.sh", "run", "/usr/bin/python3", client.string(),
        RIGWIRE_BINARY_DIR "/rigwire", "run", rig.string(), "--status", "none"},
       wires.folder / "network.log");
-  EXPECT_EQ(network.wait(60s), 0) << network.output();
+  EXPECT_EQ(network.wait(), 0) << network.output();
   EXPECT_THAT(network.output(), testing::HasSubstr("heard"));
 }
 

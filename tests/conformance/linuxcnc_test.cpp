@@ -50,7 +50,7 @@ TEST(LinuxCnc, ClosesTheSwingLoopOverModbus) {
   ChildProcess rig({RIGWIRE_BINARY_DIR "/rigwire", "run", "excavator_pit", "--isolated",
                     run.string(), "--status", "none"},
                    wires.folder / "log");
-  ASSERT_TRUE(eventually([&] { return fs::exists(run / "run.json"); }, 20s)) << rig.output();
+  ASSERT_TRUE(eventually([&] { return fs::exists(run / "run.json"); })) << rig.output();
   const auto told = nlohmann::json::parse(text_of(run / "run.json"));
   const auto address = told["replaced"]["devices.valves.address"].get<std::string>();
 
@@ -64,15 +64,25 @@ TEST(LinuxCnc, ClosesTheSwingLoopOverModbus) {
   fs::copy_file(examples / "swing.hal", folder / "swing.hal");
   std::ofstream(folder / "valves.ini") << std::regex_replace(
       text_of(examples / "valves.ini"), std::regex("TCP_IP = .*"), "TCP_IP = " + address);
+  // Waits until a pin has stayed in a range for a second.
+  std::ofstream(folder / "stays") << "#!/bin/sh\n"
+                                     "times=0\n"
+                                     "while [ $times -lt 10 ]; do\n"
+                                     "  sleep 0.1\n"
+                                     "  halcmd getp $1 | awk -v low=$2 -v high=$3 "
+                                     "'{exit !($1 >= low && $1 <= high)}' &&\n"
+                                     "    times=$((times + 1)) || times=0\n"
+                                     "done\n";
+  fs::permissions(folder / "stays", fs::perms::all);
   std::ofstream(folder / "script") << "loadusr -w sleep 0.5\n"
                                       "setp mb2hal.command.02.float 400\n"
                                       "loadusr -w sleep 2.5\n"
                                       "setp mb2hal.command.02.float 0\n"
                                       "setp ramp.in 12\n"
-                                      "loadusr -w sleep 4\n"
+                                      "loadusr -w ./stays degrees.out 11.5 12.5\n"
                                       "show pin degrees.out\n"
                                       "setp ramp.in -8\n"
-                                      "loadusr -w sleep 5\n"
+                                      "loadusr -w ./stays degrees.out -8.5 -7.5\n"
                                       "show pin degrees.out\n"
                                       "show pin mb2hal.read.num_errors\n"
                                       "show pin mb2hal.command.num_errors\n"

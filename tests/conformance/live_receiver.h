@@ -25,6 +25,7 @@ namespace rigwire::test {
 class LiveReceiver {
  public:
   struct State {
+    SimTime time = kStart;
     emulators::UbloxCounters counters;
     emulators::ReceiveCounters received;
     std::uint32_t baud = 0;
@@ -49,9 +50,9 @@ class LiveReceiver {
 
   [[nodiscard]] std::string path() const { return path_.string(); }
   [[nodiscard]] static Calendar calendar() { return Calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0}); }
-  /// Whether it has woken up and said something within `patience`.
-  [[nodiscard]] bool awake(std::chrono::seconds patience = std::chrono::seconds{5}) const {
-    return eventually([this] { return state().counters.epochs > 0; }, patience);
+  /// Whether it wakes up and says something.
+  [[nodiscard]] bool awake() const {
+    return eventually([this] { return state().counters.epochs > 0; });
   }
   [[nodiscard]] State state() const {
     const std::lock_guard lock(mutex_);
@@ -121,6 +122,7 @@ class LiveReceiver {
       context.restart();
       {
         const std::lock_guard lock(mutex_);
+        state_.time = instant;
         state_.counters = receiver.counters();
         state_.received = receiver.received();
         state_.baud = receiver.baud();

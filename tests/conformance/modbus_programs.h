@@ -24,8 +24,8 @@ struct ProgramResult {
   std::string text;  ///< Both streams.
 };
 
-/// Runs a shell command, at most `seconds`.
-inline ProgramResult run_program(const std::string& command, int seconds = 20) {
+/// Runs a shell command. `seconds` end one that hangs.
+inline ProgramResult run_program(const std::string& command, int seconds = 240) {
   ProgramResult result;
   FILE* pipe =
       ::popen(("timeout " + std::to_string(seconds) + " " + command + " 2>&1").c_str(), "r");

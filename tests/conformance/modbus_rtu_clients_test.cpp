@@ -46,14 +46,14 @@ class ModbusRtuClients : public ::testing::Test {
     drivers::ModbusMasterSettings settings;
     settings.serial = drivers::ModbusSerialPort{rig_.path(), rig_.timing()};
     settings.unit = unit;
-    settings.response_timeout = 2s;
+    settings.response_timeout = 60s;
     ModbusMaster result(settings);
     const auto outcome = result.connect();
     EXPECT_TRUE(outcome) << outcome.error;
     return result;
   }
   ProgramResult mbpoll(const std::string& options, const std::string& values = "") const {
-    const ProgramResult result = run_program("mbpoll -m rtu -b 38400 -P even -1 -0 -o 2 " +
+    const ProgramResult result = run_program("mbpoll -m rtu -b 38400 -P even -1 -0 -o 10 " +
                                              options + " " + rig_.path() + " " + values);
     EXPECT_NE(result.exit_code, 127) << "mbpoll is not installed: " << result.text;
     return result;
@@ -114,7 +114,7 @@ TEST_F(ModbusRtuClients, PymodbusReadsWritesAndBroadcasts) {
   std::ofstream(script) << R"(
 import sys
 from pymodbus.client import ModbusSerialClient
-client = ModbusSerialClient(sys.argv[1], baudrate=38400, timeout=2)
+client = ModbusSerialClient(sys.argv[1], baudrate=38400, timeout=60)
 assert client.connect()
 assert not client.write_registers(0, [1, 250], slave=1).isError()
 assert client.read_holding_registers(1, 1, slave=1).registers == [250]
@@ -179,7 +179,7 @@ TEST_F(ModbusRtuClients, ARequestInTwoWritesWithGarbageBeforeItIsServed) {
   write(request.view().subspan(3));
   std::vector<std::uint8_t> answer;
   pollfd waiting{port.get(), POLLIN, 0};
-  while (answer.size() < request.size && ::poll(&waiting, 1, 5000) == 1) {
+  while (answer.size() < request.size && ::poll(&waiting, 1, 60'000) == 1) {
     std::array<std::uint8_t, 64> bytes{};
     const auto got = ::read(port.get(), bytes.data(), bytes.size());
     ASSERT_GT(got, 0);

@@ -38,7 +38,7 @@ class NmeaClients : public testing::Test {
   [[nodiscard]] std::filesystem::path input() const { return wires_.folder / "input.nmea"; }
   [[nodiscard]] std::string output_of(const std::vector<std::string>& command) {
     ChildProcess program(command, wires_.folder / "output");
-    EXPECT_EQ(program.wait(20s), 0) << program.output();
+    EXPECT_EQ(program.wait(), 0) << program.output();
     return program.output();
   }
   /// The epoch at which the receiver's clock shows so many seconds since midnight, UTC.

@@ -42,18 +42,18 @@ class ReplayedRig : public testing::Test {
   int verify() {
     ChildProcess program({kProgram, "replay", folder("a").string(), "--verify"},
                          folder("verify.log"));
-    const int code = program.wait(120s).value_or(-1);
+    const int code = program.wait().value_or(-1);
     printed_ = program.output();
     return code;
   }
   /// What a shell command prints, which must end well.
   void shell(const std::string& command) const {
     ChildProcess program({"bash", "-c", command}, folder("shell.log"));
-    ASSERT_EQ(program.wait(60s), 0) << command << "\n" << program.output();
+    ASSERT_EQ(program.wait(), 0) << command << "\n" << program.output();
   }
   void free_run() const {
     ChildProcess rig(run({"--clock", "free", "--duration", "1s"}), folder("rig.log"));
-    ASSERT_EQ(rig.wait(240s), 0) << rig.output();
+    ASSERT_EQ(rig.wait(), 0) << rig.output();
   }
   /// Turns one bit of the byte `behind` the first place where `pattern` stands, in the later half.
   void damage(const std::string& file, const std::string& pattern, std::size_t behind) const {
@@ -94,7 +94,7 @@ TEST_F(ReplayedRig, WithClientsOfModbusUbxAndCanIsTheSameRunAgain) {
   }
   // Beside the running rig, whose wires it must leave alone.
   rig.signal(SIGINT);
-  ASSERT_EQ(rig.wait(20s), 130) << rig.output();
+  ASSERT_EQ(rig.wait(), 130) << rig.output();
   EXPECT_EQ(verify(), 0) << printed_;
   EXPECT_THAT(printed_, AllOf(HasSubstr("gnss      clients  1 "), HasSubstr("equal to ")));
 }
@@ -113,7 +113,7 @@ TEST_F(ReplayedRig, ARunInRealTimeThatClientAndHandMoveIsTheSameRunAgain) {
         ctl("fault_add on=machine.engine fault='{type: derate, share: 40 %}'") + "sleep 0.3; " +
         ctl("set boom= swing=") + ctl("set on=air fog=") + ctl("fault_clear id=2") + "sleep 0.3");
   rig.signal(SIGINT);
-  ASSERT_EQ(rig.wait(20s), 130) << rig.output();
+  ASSERT_EQ(rig.wait(), 130) << rig.output();
   EXPECT_EQ(verify(), 0) << printed_;
   // It hung on the wall clock from when on the machine followed.
   std::ofstream(folder("a") / "requests.log") << "# nothing\n";
@@ -141,11 +141,11 @@ TEST_F(ReplayedRig, BesideARunningRigLeavesItsWiresAlone) {
   std::filesystem::rename(folder("b"), folder("c"));
   ChildProcess program({kProgram, "replay", folder("c").string(), "--verify"},
                        folder("verify.log"));
-  EXPECT_EQ(program.wait(120s), 0) << program.output();
+  EXPECT_EQ(program.wait(), 0) << program.output();
   EXPECT_TRUE(wires_.are_up());
   EXPECT_TRUE(std::filesystem::is_symlink(wires_.gnss()));
   rig.signal(SIGINT);
-  EXPECT_EQ(rig.wait(20s), 130) << rig.output();
+  EXPECT_EQ(rig.wait(), 130) << rig.output();
 }
 
 TEST_F(ReplayedRig, PlayedOnItsWiresGivesClientsTheSameBytes) {
@@ -161,8 +161,8 @@ TEST_F(ReplayedRig, PlayedOnItsWiresGivesClientsTheSameBytes) {
        "while not os.path.exists(pty): time.sleep(0.005)\n"
        "line = os.open(pty, os.O_RDWR | os.O_NONBLOCK | os.O_NOCTTY)\n"
        "capture = open(sys.argv[4], 'rb').read()\n"
-       "heard, good, bad, end = b'', 0, 0, time.monotonic() + 4\n"
-       "while time.monotonic() < end and len(heard) < len(recorded):\n"
+       "heard, good, bad, end = b'', 0, 0, time.monotonic() + 200\n"
+       "while time.monotonic() < end and (len(heard) < len(recorded) or good <= 20):\n"
        "  try: heard += os.read(line, 4096)\n"
        "  except (BlockingIOError, OSError): pass\n"
        "  try: datagram = lidar.recv(2000)\n"
@@ -173,10 +173,12 @@ TEST_F(ReplayedRig, PlayedOnItsWiresGivesClientsTheSameBytes) {
        std::to_string(wires_.lidar_port), (folder("a") / "wires/lidar.pcapng").string()},
       folder("listener.log"));
   ASSERT_TRUE(eventually([&] { return listener.output().find("ready") != std::string::npos; }));
-  ChildProcess replay({kProgram, "replay", folder("a").string()}, folder("replay.log"));
-  EXPECT_EQ(listener.wait(60s), 0) << listener.output();
+  // A client opens the line before its first byte is due, also on a busy machine.
+  ChildProcess replay({kProgram, "replay", folder("a").string(), "--clock", "scaled:0.25"},
+                      folder("replay.log"));
+  EXPECT_EQ(listener.wait(), 0) << listener.output();
   EXPECT_THAT(listener.output(), HasSubstr("line True lidar True 0")) << replay.output();
-  EXPECT_EQ(replay.wait(30s), 0) << replay.output();
+  EXPECT_EQ(replay.wait(), 0) << replay.output();
 }
 
 TEST_F(ReplayedRig, ShownGoesToAnyInstantAndIsTheSameThereEachTime) {
@@ -192,7 +194,7 @@ TEST_F(ReplayedRig, ShownGoesToAnyInstantAndIsTheSameThereEachTime) {
     // While it begins anew nobody is there, or the run that has ended.
     EXPECT_TRUE(eventually([&] {
       ChildProcess ctl(command, folder("ctl.log"));
-      (void)ctl.wait(60s);
+      (void)ctl.wait();
       told = nlohmann::json::parse(ctl.output(), nullptr, false);
       return told.is_object() && told.value("what", "") != "the run has ended";
     })) << replay.output();
@@ -224,7 +226,7 @@ TEST_F(ReplayedRig, ShownGoesToAnyInstantAndIsTheSameThereEachTime) {
   EXPECT_THAT(ask({"set", "boom=0.5"})["what"].get<std::string>(), HasSubstr("nobody changes it"));
   EXPECT_EQ(ask({"wait", "quantity=boom", "value=400", "limit=1h"})["time_ns"], 1'000'000'000);
   EXPECT_EQ(ask({"stop"})["ok"], true);
-  EXPECT_EQ(replay.wait(20s), 0) << replay.output();
+  EXPECT_EQ(replay.wait(), 0) << replay.output();
 }
 
 TEST_F(ReplayedRig, ThatIsNoRecordingCannotBeRun) {

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -22,37 +23,41 @@ using Json = nlohmann::json;
 using test::ChildProcess;
 using test::LiveReceiver;
 
-/// Functions that every script uses: whole sentences with a right checksum, and times of RMC.
+/// Functions that every script uses: whole sentences with a right checksum, and times of RMC. What
+/// is listened for is a count; nothing hangs on how long that takes.
 constexpr const char* kPrelude =
-    "import json, serial, sys, time\n"
+    "import json, os, serial, sys, time\n"
     "def good(line):\n"
     "    body, star, end = line.strip().rpartition(b'*')\n"
     "    if not star or not body.startswith(b'$G'): return False\n"
     "    x = 0\n"
     "    for c in body[1:]: x ^= c\n"
     "    return end == b'%02X' % x\n"
-    "def listen(port, seconds):\n"
-    "    end, lines, count = time.monotonic() + seconds, [], 0\n"
-    "    while time.monotonic() < end:\n"
+    "def listen(port, enough):\n"
+    "    lines, count = [], 0\n"
+    "    while not enough(lines, count):\n"
     "        line = port.readline()\n"
     "        count += len(line)\n"
     "        if good(line): lines.append(line)\n"
     "    return lines, count\n"
     "def times(lines):\n"
     "    t = [l[7:13].decode() for l in lines if l.startswith(b'$GPRMC')]\n"
-    "    return [int(s[:2]) * 3600 + int(s[2:4]) * 60 + int(s[4:]) for s in t]\n";
+    "    return [int(s[:2]) * 3600 + int(s[2:4]) * 60 + int(s[4:]) for s in t]\n"
+    "def epochs(wanted):\n"
+    "    return lambda lines, count: len(times(lines)) >= wanted\n";
 
 class SerialClient : public testing::Test {
  protected:
   SerialClient() { settings_.baud = 38'400; }
   [[nodiscard]] std::unique_ptr<ChildProcess> start(const std::string& script) {
     return std::make_unique<ChildProcess>(
-        std::vector<std::string>{"/usr/bin/python3", "-c", kPrelude + script, wires_.gnss()},
+        std::vector<std::string>{"/usr/bin/python3", "-c", kPrelude + script, wires_.gnss(),
+                                 wires_.folder.string()},
         wires_.folder / "python.log");
   }
   /// What the script printed, after it has ended by itself.
   [[nodiscard]] Json result(ChildProcess& python) {
-    EXPECT_EQ(python.wait(15s), 0) << python.output();
+    EXPECT_EQ(python.wait(), 0) << python.output();
     Json found = Json::parse(python.output(), nullptr, false);
     EXPECT_FALSE(found.is_discarded()) << python.output();
     return found;
@@ -67,19 +72,17 @@ TEST_F(SerialClient, HearsGarbageAtTheWrongSpeedAndSentencesAtTheRightOne) {
   ASSERT_TRUE(receiver.awake());
   auto python = start(
       "port = serial.Serial(sys.argv[1], 9600, timeout=0.2)\n"
-      "wrong, wrong_bytes = listen(port, 2.5)\n"
+      "wrong, wrong_bytes = listen(port, lambda lines, count: count > 400)\n"
       "port.write(b'\\xb5\\x62\\x0a\\x04\\x00\\x00\\x0e\\x34')\n"
-      "time.sleep(0.3)\n"
+      "listen(port, lambda lines, count: count > 400)\n"  // the receiver has taken it
       "port.baudrate = 38400\n"
       "time.sleep(0.1)\n"
       "port.reset_input_buffer()\n"
-      "right, right_bytes = listen(port, 2.5)\n"
-      "print(json.dumps([len(wrong), wrong_bytes, len(right)]))\n");
+      "listen(port, lambda lines, count: len(lines) >= 16)\n"
+      "print(json.dumps([len(wrong)]))\n");
   const Json found = result(*python);
-  ASSERT_EQ(found.size(), 3U);
+  ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0], 0) << "a sentence was readable at a quarter of the speed";
-  EXPECT_GT(found[1], 100) << "nothing was heard at all";
-  EXPECT_GE(found[2], 14) << "two epochs of eight sentences, one of them perhaps cut";
   EXPECT_EQ(receiver.state().received.accepted, 0U) << "a poll at the wrong speed was understood";
 }
 
@@ -88,12 +91,19 @@ TEST_F(SerialClient, FindsNoOldEpochsAfterAPause) {
   ASSERT_TRUE(receiver.awake());
   auto python = start(
       "port = serial.Serial(sys.argv[1], 38400, timeout=0.2)\n"
-      "before = times(listen(port, 2.2)[0])\n"
+      "before = times(listen(port, epochs(2))[0])\n"
       "port.close()\n"
-      "time.sleep(2.6)\n"
+      "open(sys.argv[2] + '/closed', 'w').close()\n"
+      "while not os.path.exists(sys.argv[2] + '/paused'): time.sleep(0.01)\n"
       "port = serial.Serial(sys.argv[1], 38400, timeout=0.2)\n"
-      "after = times(listen(port, 2.2)[0])\n"
+      "after = times(listen(port, epochs(3))[0])\n"
       "print(json.dumps([before, after]))\n");
+  const auto epochs = [&] { return receiver.state().counters.epochs; };
+  ASSERT_TRUE(test::eventually([&] { return std::filesystem::exists(wires_.folder / "closed"); }))
+      << python->output();
+  const auto at_closing = epochs();
+  ASSERT_TRUE(test::eventually([&] { return epochs() >= at_closing + 4; }));
+  std::ofstream(wires_.folder / "paused");
   const Json found = result(*python);
   ASSERT_EQ(found.size(), 2U);
   ASSERT_FALSE(found[0].empty());
@@ -112,21 +122,19 @@ TEST_F(SerialClient, NoticesThatTheDeviceIsGoneAndReadsTheNextOne) {
       "port = serial.Serial(sys.argv[1], 38400, timeout=0.2)\n"
       "gone = False\n"
       "try:\n"
-      "    listen(port, 8)\n"
+      "    listen(port, lambda lines, count: False)\n"
       "except serial.SerialException:\n"
       "    gone = True\n"
       "port.close()\n"
-      "end = time.monotonic() + 5\n"
       "while True:\n"
       "    try:\n"
       "        port = serial.Serial(sys.argv[1], 38400, timeout=0.2)\n"
       "        break\n"
       "    except serial.SerialException:\n"
-      "        assert time.monotonic() < end\n"
       "        time.sleep(0.05)\n"
-      "again = times(listen(port, 2.5)[0])\n"
+      "again = times(listen(port, epochs(1))[0])\n"
       "print(json.dumps([gone, again]))\n");
-  ASSERT_TRUE(test::eventually([&] { return receiver->state().client_present; }, 5s));
+  ASSERT_TRUE(test::eventually([&] { return receiver->state().client_present; }));
   receiver.reset();
   receiver = std::make_unique<LiveReceiver>(settings_, wires_.gnss());
   const Json found = result(*python);

@@ -19,15 +19,19 @@
 
 namespace rigwire::test {
 
+/// How long a test waits for what must come. It ends a test that hangs, and judges nothing: a busy
+/// machine may take its time.
+inline constexpr std::chrono::seconds kPatience{240};
+
 /// Looks at `condition` until it holds or the patience ends.
 inline bool eventually(const std::function<bool()>& condition,
-                       std::chrono::seconds patience = std::chrono::seconds{30}) {
+                       std::chrono::seconds patience = kPatience) {
   const auto end = std::chrono::steady_clock::now() + patience;
   while (!condition()) {
     if (std::chrono::steady_clock::now() > end) {
       return false;
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds{10});
+    std::this_thread::sleep_for(std::chrono::milliseconds{5});
   }
   return true;
 }
@@ -66,7 +70,7 @@ class ChildProcess {
   void signal(int number) const { ::kill(process_, number); }
 
   /// The exit code (128 + n after signal n), or nullopt when the patience ended first.
-  std::optional<int> wait(std::chrono::seconds patience = std::chrono::seconds{60}) {
+  std::optional<int> wait(std::chrono::seconds patience = kPatience) {
     eventually(
         [this] {
           int status = 0;

@@ -44,7 +44,10 @@ constexpr const char* kPrelude =
     "    t = [l[7:13].decode() for l in lines if l.startswith(b'$GPRMC')]\n"
     "    return [int(s[:2]) * 3600 + int(s[2:4]) * 60 + int(s[4:]) for s in t]\n"
     "def epochs(wanted):\n"
-    "    return lambda lines, count: len(times(lines)) >= wanted\n";
+    "    return lambda lines, count: len(times(lines)) >= wanted\n"
+    "def agree(done, go):\n"  // with the test, by files
+    "    open(sys.argv[2] + '/' + done, 'w').close()\n"
+    "    while not os.path.exists(sys.argv[2] + '/' + go): time.sleep(0.01)\n";
 
 class SerialClient : public testing::Test {
  protected:
@@ -54,6 +57,11 @@ class SerialClient : public testing::Test {
         std::vector<std::string>{"/usr/bin/python3", "-c", kPrelude + script, wires_.gnss(),
                                  wires_.folder.string()},
         wires_.folder / "python.log");
+  }
+  /// Until the script has done that.
+  void await(const std::string& done, const ChildProcess& python) {
+    ASSERT_TRUE(test::eventually([&] { return std::filesystem::exists(wires_.folder / done); }))
+        << python.output();
   }
   /// What the script printed, after it has ended by itself.
   [[nodiscard]] Json result(ChildProcess& python) {
@@ -74,12 +82,15 @@ TEST_F(SerialClient, HearsGarbageAtTheWrongSpeedAndSentencesAtTheRightOne) {
       "port = serial.Serial(sys.argv[1], 9600, timeout=0.2)\n"
       "wrong, wrong_bytes = listen(port, lambda lines, count: count > 400)\n"
       "port.write(b'\\xb5\\x62\\x0a\\x04\\x00\\x00\\x0e\\x34')\n"
-      "listen(port, lambda lines, count: count > 400)\n"  // the receiver has taken it
+      "agree('asked', 'taken')\n"
       "port.baudrate = 38400\n"
       "time.sleep(0.1)\n"
       "port.reset_input_buffer()\n"
       "listen(port, lambda lines, count: len(lines) >= 16)\n"
       "print(json.dumps([len(wrong)]))\n");
+  await("asked", *python);
+  ASSERT_TRUE(test::eventually([&] { return receiver.state().received.bytes >= 8; }));
+  std::ofstream(wires_.folder / "taken");
   const Json found = result(*python);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0], 0) << "a sentence was readable at a quarter of the speed";
@@ -93,14 +104,12 @@ TEST_F(SerialClient, FindsNoOldEpochsAfterAPause) {
       "port = serial.Serial(sys.argv[1], 38400, timeout=0.2)\n"
       "before = times(listen(port, epochs(2))[0])\n"
       "port.close()\n"
-      "open(sys.argv[2] + '/closed', 'w').close()\n"
-      "while not os.path.exists(sys.argv[2] + '/paused'): time.sleep(0.01)\n"
+      "agree('closed', 'paused')\n"
       "port = serial.Serial(sys.argv[1], 38400, timeout=0.2)\n"
       "after = times(listen(port, epochs(3))[0])\n"
       "print(json.dumps([before, after]))\n");
   const auto epochs = [&] { return receiver.state().counters.epochs; };
-  ASSERT_TRUE(test::eventually([&] { return std::filesystem::exists(wires_.folder / "closed"); }))
-      << python->output();
+  await("closed", *python);
   const auto at_closing = epochs();
   ASSERT_TRUE(test::eventually([&] { return epochs() >= at_closing + 4; }));
   std::ofstream(wires_.folder / "paused");

@@ -1,7 +1,10 @@
 // A recorded run with its clients once more: equal, and a byte that was changed is named.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -9,7 +12,6 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "child_process.h"
@@ -86,11 +88,19 @@ TEST_F(ReplayedRig, WithClientsOfModbusUbxAndCanIsTheSameRunAgain) {
       "  bus.send(can.Message(arbitration_id=0x18EA80FE, data=[0xDA, 0xFE, 0]))\n"
       "  time.sleep(0.01)\n"
       "bus.shutdown()'");
-  {  // a poll of MON-VER
-    std::ofstream line(wires_.gnss(), std::ios::binary);
-    line.write("\xB5\x62\x0A\x04\x00\x00\x0E\x34", 8);
-    line.flush();
-    std::this_thread::sleep_for(500ms);
+  {  // a poll of MON-VER, and its answer
+    const int line = ::open(wires_.gnss().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+    ASSERT_GE(line, 0);
+    ASSERT_EQ(::write(line, "\xB5\x62\x0A\x04\x00\x00\x0E\x34", 8), 8);
+    std::string taken;
+    EXPECT_TRUE(eventually([&] {
+      std::array<char, 4096> bytes;
+      for (ssize_t size = 0; (size = ::read(line, bytes.data(), bytes.size())) > 0;) {
+        taken.append(bytes.data(), static_cast<std::size_t>(size));
+      }
+      return taken.find("\xB5\x62\x0A\x04") != std::string::npos;
+    })) << rig.output();
+    ::close(line);
   }
   // Beside the running rig, whose wires it must leave alone.
   rig.signal(SIGINT);

@@ -23,7 +23,7 @@ std::string told(const std::string& script, const std::string& of) {
   test::ChildProcess page({"/usr/bin/python3", RIGWIRE_SOURCE_DIR "/tests/conformance/" + script,
                            RIGWIRE_BINARY_DIR, (wires.folder / "page").string(), of},
                           wires.folder / "page.log");
-  EXPECT_EQ(page.wait(), 0) << page.output();
+  EXPECT_EQ(page.wait(290s), 0) << page.output();
   EXPECT_THAT(page.output(), testing::HasSubstr("all seen"));
   return page.output();
 }

@@ -52,7 +52,7 @@ TEST_P(DocumentCommands, WorkAsTheyAreWritten) {
       "ip link set lo up; mkdir -p /tmp/rigwire; mount -t tmpfs tmpfs /tmp/rigwire; exec " +
       script(wires, std::string("run ") + GetParam());
   ChildProcess all({"bash", "-c", own + "bash -euc '" + inside + "'"}, wires.folder / "all.log");
-  EXPECT_EQ(all.wait(), 0) << all.output();
+  EXPECT_EQ(all.wait(290s), 0) << all.output();
 }
 
 INSTANTIATE_TEST_SUITE_P(Beside, DocumentCommands, testing::ValuesIn(kGroups),

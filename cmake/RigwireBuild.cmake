@@ -133,18 +133,13 @@ function(rigwire_library folder)
   endif()
 endfunction()
 
-# rigwire_test(<folder> [EACH] [ALONE] [LINK <targets>] [SOURCES <files>])
+# rigwire_test(<folder> [EACH] [QUICK] [LINK <targets>] [SOURCES <files>])
 #
 # One GoogleTest program per folder of the house, <folder>_tests, from every tests/<folder>/**.cpp and
 # SOURCES. ctest runs each suite in a process; with EACH, or where the environment has
-# RIGWIRE_EACH_TEST, each test (tests/support/list_tests.py).
-# ALONE: each of its tests has both of ./check's processors, because it runs in real time.
+# RIGWIRE_EACH_TEST, each test (tests/support/list_tests.py). QUICK: they belong to ./check --quick.
 function(rigwire_test folder)
-  cmake_parse_arguments(ARG "ALONE;EACH" "" "LINK;SOURCES" ${ARGN})
-  set(processors 1)
-  if(ARG_ALONE)
-    set(processors 2)
-  endif()
+  cmake_parse_arguments(ARG "EACH;QUICK" "" "LINK;SOURCES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   if(NOT sources)
     return()
@@ -187,11 +182,11 @@ function(rigwire_test folder)
     set(test_seconds 1200)  # every access is looked at
   endif()
   rigwire_list_tests(${folder}_tests $<$<BOOL:${ARG_EACH}>:--each> TIMEOUT=${test_seconds}
-    LABELS=${folder} PROCESSORS=${processors})
+    LABELS=${folder}$<$<BOOL:${ARG_QUICK}>:,quick>)
 endfunction()
 
-# rigwire_list_tests(<program> [--each] <name>=<value>...): gives the program's tests to ctest, with
-# these properties.
+# rigwire_list_tests(<program> [--each] <name>=<value>[,<value>...]...): gives the program's tests to
+# ctest, with these properties.
 function(rigwire_list_tests program)
   set(listed ${CMAKE_CURRENT_BINARY_DIR}/${program}_listed.cmake)
   add_custom_command(TARGET ${program} POST_BUILD VERBATIM COMMAND_EXPAND_LISTS

@@ -41,14 +41,13 @@ def tests_of(path):
 def labels_of(build):
     """{name of a test or of its suite: label}, from the files that ctest reads."""
     labels = {}
-    pattern = re.compile(r'set_tests_properties\(\[==\[(.+?)\]==\].*?\[==\[LABELS\]==\] \[==\[(.+?)\]==\]'
-                         r'|set_tests_properties\((\S+) PROPERTIES .*?LABELS "([^"]+)"')
+    pattern = re.compile(r'^ *set_tests_properties\((?:\[=*\[)?(.+?)(?:\]=*\])? PROPERTIES '
+                         r'.*?LABELS(?:\]==\])? (?:"|\[==\[)([^"\];]+)', re.MULTILINE)
     for place, _, files in os.walk(os.path.join(build, 'tests')):
         for file in files:
             if file.endswith('.cmake'):
                 with open(os.path.join(place, file), encoding='utf-8') as text:
-                    for match in pattern.finditer(text.read()):
-                        labels[match.group(1) or match.group(3)] = match.group(2) or match.group(4)
+                    labels.update(pattern.findall(text.read()))
     return labels
 
 

@@ -136,7 +136,7 @@ def matching(build, pattern):
             found[folder] = [folder + '_tests']
     for name, labels, _ in known_tests(build, pattern):
         for label in labels:
-            if label not in FOLDERS:
+            if label not in (*FOLDERS, 'quick'):
                 of_label = found.setdefault(label, [])
                 of_label += [t for t in targets_of(label, name) if t not in of_label]
     return found

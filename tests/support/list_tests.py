@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Lists the tests of a GoogleTest program for ctest, after the program is built (rigwire_test).
 
-  list_tests.py PROGRAM OUTPUT [--each] [NAME=VALUE...]
+  list_tests.py PROGRAM OUTPUT [--each] [NAME=VALUE[,VALUE...]...]
 
-NAME=VALUE are properties of every test. ctest gets one test for each suite, so that a quick suite is
+NAME=VALUE are properties of every test, where a comma separates several values. ctest gets one test for each suite, so that a quick suite is
 one process; with --each, or where the environment has RIGWIRE_EACH_TEST, one for each test: `./check
 FILTER` names tests.
 """
@@ -18,7 +18,7 @@ def entry(program, name, pattern, properties):
 
 def main():
     program, output, *rest = sys.argv[1:]
-    pairs = [word.split('=', 1) for word in rest if word != '--each']
+    pairs = [word.replace(',', ';').split('=', 1) for word in rest if word != '--each']
     properties = ' '.join(f'[==[{word}]==]' for pair in pairs for word in pair)
     skips = ' SKIP_REGULAR_EXPRESSION [==[\\[  SKIPPED \\]]==]'
     listing = subprocess.run([program, '--gtest_list_tests'], check=True, capture_output=True,

@@ -77,7 +77,7 @@ class ConditionalKeys : public testing::Test {
     }
     return lines;
   }
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
   Camera camera_;
 };
 

@@ -39,7 +39,7 @@ class DeviceKeys : public ::testing::Test {
     return settings_of(*fields::as<Configuration>(loaded.configuration.devices.at(name_)));
   }
 
-  test::PrivateWires wires;
+  rigwire::test::PrivateWires wires;
   std::string file = (wires.folder / "rig.yaml").string();
 
  private:

@@ -53,7 +53,7 @@ class InclinometerRig : public testing::Test {
     return complaints("  boom: {type: cia410-inclinometer, mount: {link: body}, " + keys + "}\n");
   }
 
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
 };
 
 /// Slopes in deg as a client of the bus reads them, the latest of each.

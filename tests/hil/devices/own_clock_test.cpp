@@ -44,7 +44,7 @@ class OwnClockRig : public testing::Test {
     return load_rig(file, {});
   }
 
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
 };
 
 TEST_F(OwnClockRig, RatesOnTheWireAreThoseOfEachNodesClock) {

@@ -32,7 +32,7 @@ class ValveKeys : public testing::Test {
       return error.what();
     }
   }
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
 };
 
 TEST_F(ValveKeys, sections_in_any_order_and_fewer_than_actuators_are_fine) {

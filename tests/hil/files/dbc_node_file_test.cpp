@@ -52,7 +52,7 @@ class DbcNodeFile : public testing::Test {
     }
     return "";
   }
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
 };
 
 TEST_F(DbcNodeFile, TheDbcFileAloneMakesANodeOfStartValues) {

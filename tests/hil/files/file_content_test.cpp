@@ -30,7 +30,7 @@ class FileContent : public testing::Test {
     std::ofstream(file, std::ios::binary) << text;
     return file.string();
   }
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
 };
 
 TEST_F(FileContent, the_dbc_file_of_a_binding_counts_and_its_place_does_not) {

@@ -49,7 +49,7 @@ class LidarCalibrationFile : public ::testing::Test {
     return "loaded";
   }
 
-  test::PrivateWires wires;
+  rigwire::test::PrivateWires wires;
   std::string path = (wires.folder / "unit.yaml").string();
 };
 

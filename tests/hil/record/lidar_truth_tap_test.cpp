@@ -27,7 +27,7 @@ Value at(const std::string& bytes, std::size_t offset) {
 }
 
 TEST(LidarTruth, TellsObjectExactRangeAndInstantOfEveryShot) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   const LoadedRig loaded =
       load_rig(std::string(RIGWIRE_SOURCE_DIR) + "/configs/rigs/unimog_forest.yaml",
                wires.driving_sets("unimog_forest"));
@@ -80,7 +80,7 @@ TEST(LidarTruth, TellsObjectExactRangeAndInstantOfEveryShot) {
 }
 
 TEST(LidarTruth, NumbersLidarsByTheirPlaceAmongTheNames) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   const auto path = wires.folder / "numbers.truth";
   LidarPattern pattern;
   pattern.lasers.resize(1);
@@ -102,7 +102,7 @@ TEST(LidarTruth, NumbersLidarsByTheirPlaceAmongTheNames) {
 }
 
 TEST(LidarTruth, RefusesAFileThatCannotBeMade) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   const LoadedRig loaded =
       load_rig(std::string(RIGWIRE_SOURCE_DIR) + "/configs/rigs/unimog_forest.yaml",
                wires.driving_sets("unimog_forest"));

@@ -81,7 +81,7 @@ TEST(RunLog, WhoTakesLinesGetsThemWhole) {
 }
 
 TEST(RunLog, OfARigTellsItsTimeAndKeepsTheLastOneWhenItIsGone) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   const LoadedRig loaded =
       load_rig(RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_pit.yaml", wires.sets());
   Heard heard(LogLevel::info);

@@ -47,7 +47,7 @@ class BaseStationRig : public ::testing::Test {
     io.run_for(20ms);
   }
 
-  test::PrivateWires wires;
+  rigwire::test::PrivateWires wires;
   boost::asio::io_context io;
   std::unique_ptr<Rig> rig;
 };

@@ -76,7 +76,7 @@ class CameraRig : public ::testing::Test {
     return all;
   }
 
-  test::PrivateWires wires;
+  rigwire::test::PrivateWires wires;
   std::string file = (wires.folder / "rig.yaml").string();
   boost::asio::io_context io;
   std::unique_ptr<Rig> rig;

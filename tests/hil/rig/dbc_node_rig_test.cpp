@@ -66,7 +66,7 @@ class OwnCanRig : public testing::Test {
   }
 
   boost::asio::io_context io_;
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
   End end_;
 };
 

@@ -23,7 +23,7 @@ struct Ran {
 };
 
 Ran run(const std::string& rig_name, Duration duration) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   const LoadedRig loaded =
       load_rig(std::string(RIGWIRE_SOURCE_DIR) + "/configs/rigs/" + rig_name + ".yaml",
                wires.driving_sets(rig_name));

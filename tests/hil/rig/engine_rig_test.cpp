@@ -72,7 +72,7 @@ class Adapter {
 /// From 1 s to 2.5 s asks every 10 ms for 1200 rpm; from 5 s to 7 s lifts the boom.
 class Field final : public EventSource {
  public:
-  explicit Field(const test::PrivateWires& wires)
+  explicit Field(const rigwire::test::PrivateWires& wires)
       : machine_(wires.can()), implements_((wires.folder / "valves").string()) {}
 
   [[nodiscard]] SimTime next_event() const override { return next_; }
@@ -115,7 +115,7 @@ struct Outcome {
 };
 
 Outcome run(Duration duration) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   const LoadedRig loaded = load_rig(
       kEngineRigRigFile,
       {"devices.gnss.path=" + wires.gnss(), "buses.can.path=" + wires.can(), "buses.can.wire=slcan",

@@ -77,7 +77,7 @@ class GnssRig : public ::testing::Test {
     return found;
   }
 
-  test::PrivateWires wires;
+  rigwire::test::PrivateWires wires;
   boost::asio::io_context io;
   std::unique_ptr<Rig> rig;
   std::string heard;

@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 constexpr const char* kIsoValveRigRigFile = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_can.yaml";
 constexpr unsigned kBoomValve = 2;  // first_valve 1, section 2
 
-std::vector<std::string> private_sets(const test::PrivateWires& wires) {
+std::vector<std::string> private_sets(const rigwire::test::PrivateWires& wires) {
   return {"devices.gnss.path=" + wires.gnss(), "buses.can.path=" + wires.can(),
           "buses.can.wire=slcan", "buses.valves.path=" + (wires.folder / "valves").string(),
           "buses.valves.wire=slcan"};
@@ -87,7 +87,7 @@ class Controller final : public EventSource {
 
 /// Lines of the truth file: joint angles and spools every 10 ms.
 std::vector<nlohmann::json> iso_valve_rig_run(Duration duration) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   const LoadedRig loaded = load_rig(kIsoValveRigRigFile, private_sets(wires));
   const auto truth = wires.folder / "truth.jsonl";
   {
@@ -119,7 +119,7 @@ TEST(IsoValveRig, CommandsOnTheBusMoveTheBoomAndItsSilenceStopsIt) {
 }
 
 TEST(IsoValveRig, ALeverForASectionThatIsNotThereIsRefused) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   std::vector<std::string> sets = private_sets(wires);
   sets.push_back("devices.valves.joysticks.x1=arm");
   try {

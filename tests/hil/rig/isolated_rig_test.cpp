@@ -35,7 +35,7 @@ class IsolatedRig : public testing::Test {
     return with(rig.configuration, isolating(rig.configuration, rig.origins, folder, claims));
   }
 
-  test::PrivateWires wires;
+  rigwire::test::PrivateWires wires;
 };
 
 /// Every key of the configuration with its value.

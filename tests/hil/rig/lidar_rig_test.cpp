@@ -205,7 +205,7 @@ class LidarRig : public ::testing::Test {
     EXPECT_THAT(request("POST", target, body), StartsWith("HTTP/1.1 204 ")) << body;
   }
 
-  test::PrivateWires wires;
+  rigwire::test::PrivateWires wires;
   boost::asio::io_context io;
   std::uint16_t web_port = 0;
   std::unique_ptr<Rig> rig;
@@ -435,7 +435,7 @@ TEST_F(LidarRig, WebInterfaceDoesNotNameAServerThatTheSensorIsNot) {
 TEST(LidarPark, AllModelsStreamAtOnce) {
   const std::vector<std::string> lidars{"hdl_32e", "hdl_64e", "puck_hi_res",
                                         "vlp_16",  "vlp_32c", "vls_128"};
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   boost::asio::io_context io;
   std::vector<std::string> sets{"devices.gnss.path=" + wires.gnss()};
   std::vector<std::unique_ptr<Listener>> listeners;

@@ -29,7 +29,7 @@ class ModbusLinesOfARig : public testing::Test {
       return error.what();
     }
   }
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
   std::string file_ = (wires_.folder / "rig.yaml").string();
 };
 

@@ -65,7 +65,7 @@ class OwnEndsOfRigs : public testing::Test {
 
   boost::asio::io_context io_;
   OwnEndsEnd end_;
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
   std::filesystem::path file_ = wires_.folder / "rig.yaml";
 };
 

@@ -24,7 +24,7 @@ struct RigRunRan {
 };
 
 RigRunRan run(Duration duration, std::vector<std::string> sets = {}) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   for (auto& set : wires.sets()) {
     sets.push_back(set);
   }
@@ -95,7 +95,7 @@ TEST(RigRun, EveryDeviceKeepsItsNominalRate) {
 }
 
 TEST(RigRun, TruthTapWritesOneLinePerPeriod) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   const LoadedRig loaded = load_rig(kRigFile, wires.sets());
   const auto path = wires.folder / "truth.jsonl";
   {
@@ -117,7 +117,7 @@ TEST(RigRun, TruthTapWritesOneLinePerPeriod) {
 }
 
 TEST(RigRun, ATakenPortLeavesNothingHalfOpen) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   auto sets = wires.sets();
   const LoadedRig loaded = load_rig(kRigFile, sets);
   boost::asio::io_context io;

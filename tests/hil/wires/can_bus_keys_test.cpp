@@ -30,7 +30,7 @@ class CanBusKeys : public testing::Test {
       return error.what();
     }
   }
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
   std::string file_ = (wires_.folder / "rig.yaml").string();
 };
 

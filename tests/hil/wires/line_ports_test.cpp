@@ -28,7 +28,7 @@ TEST(LinePorts, AreNamedAfterTheFirst) {
 }
 
 TEST(LinePorts, EveryPortIsALineOfTheDevices) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   boost::asio::io_context context;
   const auto line = open_serial_ports(context, wires.gnss(), 2, 115200);
   line->start([](std::span<const std::uint8_t>) {});
@@ -54,7 +54,7 @@ TEST(LinePorts, EveryPortIsALineOfTheDevices) {
 }
 
 TEST(LinePorts, APathThatIsTakenIsRefusedWhateverPortItIs) {
-  const test::PrivateWires wires;
+  const rigwire::test::PrivateWires wires;
   const auto file = (wires.folder / "rig.yaml").string();
   std::ofstream(file) << "include: " RIGWIRE_SOURCE_DIR
                          "/configs/rigs/gator_heading.yaml\n"

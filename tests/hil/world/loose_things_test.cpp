@@ -40,7 +40,7 @@ class LooseThings : public testing::Test {
     return "";
   }
 
-  test::PrivateWires wires;
+  rigwire::test::PrivateWires wires;
 };
 
 /// Lines of the truth tap, each 100 ms.

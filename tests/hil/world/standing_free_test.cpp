@@ -34,7 +34,7 @@ class StandingFree : public testing::Test {
       return error.what();
     }
   }
-  test::PrivateWires wires_;
+  rigwire::test::PrivateWires wires_;
 };
 
 TEST_F(StandingFree, every_type_of_machine_by_itself_in_the_default_scene) {

@@ -10,6 +10,7 @@ without a row, and a row without a command, are failures: what is not run is wri
 
 To be run in a network and a mount namespace of its own: wires and ports are those of the documents.
 """
+import json
 import os
 import pathlib
 import re
@@ -24,6 +25,7 @@ import time
 source, binaries, scratch = (pathlib.Path(argument) for argument in sys.argv[1:4])
 PATIENCE_S = 250  # for what hangs
 AT_LEAST_S = 2  # that a program which goes on is looked at
+SETTLED_S = 5  # of the rig's own time: receivers boot for two seconds, and their first fixes wander
 
 PROGRAMS = (r"(build/|scripts/|\./(demo|check)\b|(sudo|rigwire|dig_cycle|path_follow|roll_lane|gpsd|cgps|"
             r"gpspipe|ubxtool|candump|cansend|canbusload|ip|slcand|socketcand|mbpoll|tshark|curl|nc|"
@@ -203,12 +205,25 @@ def neighbours(beside):
         return running
     is_ready, ready = os.pipe()
     rig = RIGS.get(beside[0], beside[0])
-    running = [Running(f"rigwire run {rig} --status none --ready-fd {ready}", beside[0], (ready,))]
+    control = f"unix:{scratch}/control"
+    running = [Running(f"rigwire run {rig} --status none --control {control} --ready-fd {ready}",
+                       beside[0], (ready,))]
     os.close(ready)
     select.select([is_ready], [], [], PATIENCE_S)
     os.close(is_ready)
+    wait_until_settled(control)
     running += [Running(program, program.split()[0]) for program in beside[1:]]
     return running
+
+
+def wait_until_settled(control):
+    end = time.monotonic() + PATIENCE_S
+    while time.monotonic() < end:
+        state = subprocess.run([binaries / "rigwire", "ctl", control, "state"], capture_output=True,
+                               check=False)
+        if state.returncode == 0 and json.loads(state.stdout)["time_ns"] >= SETTLED_S * 1e9:
+            return
+        time.sleep(0.1)
 
 
 def wait_until_open(host, port):

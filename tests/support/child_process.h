@@ -47,6 +47,8 @@ class ChildProcess {
       arguments.push_back(const_cast<char*>(argument.c_str()));
     }
     arguments.push_back(nullptr);
+    // Emptied before the program starts, so that nobody reads what an earlier one wrote.
+    ::close(::open(output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600));
     process_ = ::fork();
     if (process_ == 0) {
       const int log = ::open(output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);

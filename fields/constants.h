@@ -20,7 +20,7 @@ inline constexpr std::int64_t kWeek_s = 7 * kDay_s;
 /// Standard gravity (3rd General Conference on Weights and Measures, 1901).
 inline constexpr double kGravity_mps2 = 9.80665;
 
-/// Of light in a vacuum (International System of Units, 9th edition, section 2.2).
+/// Speed of light in a vacuum (International System of Units, 9th edition, section 2.2).
 inline constexpr double kSpeedOfLight_mps = 299792458.0;
 
 }  // namespace rigwire

@@ -136,13 +136,18 @@ function(rigwire_library folder)
   endif()
 endfunction()
 
-# rigwire_test(<folder> [EACH] [QUICK] [LINK <targets>] [SOURCES <files>])
+# A test of ctest that computes takes a processor: so many places of `ctest -j`. One that waits for
+# other programs or for the clock takes one place. ./check gives as many places for each processor.
+set(RIGWIRE_PLACES 2)
+
+# rigwire_test(<folder> [EACH] [QUICK] [WAITS] [LINK <targets>] [SOURCES <files>])
 #
 # One GoogleTest program per folder of the house, <folder>_tests, from every tests/<folder>/**.cpp and
 # SOURCES. ctest runs each suite in a process; with EACH, or where the environment has
 # RIGWIRE_EACH_TEST, each test (tests/support/list_tests.py). QUICK: they belong to ./check --quick.
+# WAITS: they mostly wait, so that several run for each processor.
 function(rigwire_test folder)
-  cmake_parse_arguments(ARG "EACH;QUICK" "" "LINK;SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "EACH;QUICK;WAITS" "" "LINK;SOURCES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   if(NOT sources)
     return()
@@ -184,8 +189,12 @@ function(rigwire_test folder)
   if(RIGWIRE_SANITIZE)
     set(test_seconds 1200)  # every access is looked at
   endif()
+  set(scheduled PROCESSORS=${RIGWIRE_PLACES})
+  if(ARG_WAITS)
+    set(scheduled PROCESSORS=1 COST=60)  # they begin early: the last to end waits alone
+  endif()
   rigwire_list_tests(${folder}_tests $<$<BOOL:${ARG_EACH}>:--each> TIMEOUT=${test_seconds}
-    LABELS=${folder}$<$<BOOL:${ARG_QUICK}>:,quick>)
+    ${scheduled} LABELS=${folder}$<$<BOOL:${ARG_QUICK}>:,quick>)
 endfunction()
 
 # rigwire_list_tests(<program> [--each] <name>=<value>[,<value>...]...): gives the program's tests to

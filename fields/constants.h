@@ -6,9 +6,10 @@
 
 namespace rigwire {
 
-/// Radians in a degree and in a full turn.
+/// Radians in a degree and in a full turn, and degrees in a radian.
 inline constexpr double kDegree = std::numbers::pi / 180.0;
 inline constexpr double kTurn = 2.0 * std::numbers::pi;
+inline constexpr double kDegreesPerRadian = 57.295779513082320877;
 
 inline constexpr std::int64_t kMillisecond_ns = 1'000'000;
 inline constexpr std::int64_t kSecond_ns = 1'000'000'000;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "fields/check.h"
+#include "fields/constants.h"
 #include "fields/visitor.h"
 
 namespace rigwire::emulators {
@@ -38,7 +39,6 @@ constexpr std::array<fields::Choice<ValveReaction>, 4> kReactions{
      {ValveReaction::position, "position", "Spools go to loss_position, which the master sets."}}};
 
 constexpr double kPascalPerBar = 1e5;
-constexpr double kDegreesPerRadian = 57.295779513082320877;
 
 double milliseconds(Duration span) {
   return to_seconds(span) * 1e3;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "fields/constants.h"
+
 namespace rigwire::emulators {
 namespace {
 
@@ -80,7 +82,6 @@ struct UnitFactor {
   std::string_view unit;
   double factor;
 };
-constexpr double kDegreesPerRadian = 57.295779513082320877;
 constexpr std::array kUnits{UnitFactor{"%", "1", 100.0},
                             UnitFactor{"mA", "A", 1000.0},
                             UnitFactor{"ms", "s", 1000.0},

@@ -11,11 +11,10 @@
 
 #include <cstdint>
 
+#include "fields/constants.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
-
-inline constexpr std::int64_t kHour_ns = 3'600'000'000'000;
 
 class SensorClock {
  public:

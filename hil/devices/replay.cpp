@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "drivers/udp_socket.h"
+#include "fields/constants.h"
 #include "fields/visitor.h"
 #include "hil/devices/can_device.h"
 #include "hil/devices/device.h"
@@ -189,7 +190,6 @@ class ReplayDevice final : public Device, private EventSource {
       return std::nullopt;
     }
     const std::int64_t start_ns = unix_time(site.calendar().utc(kStart)).count();
-    constexpr std::int64_t kHour_ns = 3'600'000'000'000;
     if (alignment_->first_utc_ns - start_ns > kHour_ns) {
       const auto utc =
           std::chrono::floor<std::chrono::seconds>(std::chrono::sys_time<std::chrono::nanoseconds>(

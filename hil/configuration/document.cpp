@@ -13,6 +13,7 @@
 #include <sstream>
 #include <unordered_map>
 
+#include "hil/configuration/config_folders.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
 
@@ -112,9 +113,12 @@ std::optional<YAML::Mark> second_document(const std::string& text) {
   return parser.HandleNextDocument(marks) ? std::optional(marks.mark()) : std::nullopt;
 }
 
-/// What a file and all that it includes have come to.
+/// What a file and all that it includes have come to, each alias counted as what it stands for.
 struct Extent {
+  std::size_t max_nodes = kMaximumNodes;
+  std::size_t max_bytes = kMaximumBytes;
   std::size_t nodes = 0;
+  std::size_t bytes = 0;  ///< Of keys and values.
   std::size_t includes = 0;
   int files = 0;  ///< Read to their end.
   bool may_include = true;
@@ -155,6 +159,7 @@ struct Parser {
   Value convert(const YAML::Node& node, const std::string& path, int depth);
   Value convert_map(const YAML::Node& node, const std::string& path, int depth);
   void include(Value& map, const std::string& path);
+  [[nodiscard]] std::vector<fs::path> places_of(const std::string& file) const;
   /// False after reporting: an include too many, too deep, or of itself.
   bool may_include(const Value& file, const std::string& canonical, const std::string& key);
   /// Escapes in quotes can spell what the file itself must not hold.
@@ -212,11 +217,12 @@ Value Parser::convert(const YAML::Node& node, const std::string& path, int depth
   Value value;
   value.where = at(node.Mark());
   value.folder = folder;
-  if (++extent.nodes > kMaximumNodes || depth > kMaximumDepth) {
+  if (++extent.nodes > extent.max_nodes || extent.bytes > extent.max_bytes ||
+      depth > kMaximumDepth) {
     if (!extent.too_big) {
       report(value.where, path,
-             fmt::format("nested deeper than {} levels, or more than {} values", kMaximumDepth,
-                         kMaximumNodes));
+             fmt::format("nested deeper than {} levels, or more than {} values or {} bytes",
+                         kMaximumDepth, extent.max_nodes, extent.max_bytes));
     }
     extent.too_big = true;
     return value;
@@ -225,6 +231,7 @@ Value Parser::convert(const YAML::Node& node, const std::string& path, int depth
     case YAML::NodeType::Scalar:
       value.kind = Value::Kind::scalar;
       value.scalar = node.Scalar();
+      extent.bytes += value.scalar.size();
       check_text(value.scalar, value.where, path);
       break;
     case YAML::NodeType::Sequence: {
@@ -265,6 +272,7 @@ Value Parser::convert_map(const YAML::Node& node, const std::string& path, int d
       continue;
     }
     const std::string key = pair.first.Scalar();
+    extent.bytes += key.size();
     check_text(key, where, path);
     const auto [same, fresh] = lines.emplace(key, where.line);
     if (!fresh) {
@@ -306,6 +314,19 @@ bool Parser::may_include(const Value& file, const std::string& canonical, const 
   return true;
 }
 
+/// Relative to the file that includes it, else in the folders of configurations.
+std::vector<fs::path> Parser::places_of(const std::string& file) const {
+  std::vector<fs::path> places{(fs::path(folder) / file).lexically_normal()};
+  if (fs::path(file).is_relative()) {
+    for (const fs::path& configs : config_folders()) {
+      places.push_back((configs / file).lexically_normal());
+      // A copy of a rig that is there says "../scenes/open_pit.yaml".
+      places.push_back((configs / "rigs" / file).lexically_normal());
+    }
+  }
+  return places;
+}
+
 void Parser::include(Value& map, const std::string& path) {
   const auto it = std::find_if(map.entries.begin(), map.entries.end(),
                                [](const Value::Entry& entry) { return entry.key == "include"; });
@@ -341,13 +362,20 @@ void Parser::include(Value& map, const std::string& path) {
       report(file->where, key, "wrong kind of value", file->description(), "a file name");
       continue;
     }
-    const fs::path full = (fs::path(folder) / file->scalar).lexically_normal();
+    const std::vector<fs::path> tried = places_of(file->scalar);
     std::error_code error;
-    if (!fs::is_regular_file(full, error)) {
-      problems.add({file->where, key, "no such file: tried " + full.string(), file->description(),
-                    "", nearest_file(full.string())});
+    const auto found = std::ranges::find_if(
+        tried, [&](const fs::path& place) { return fs::is_regular_file(place, error); });
+    if (found == tried.end()) {
+      std::vector<std::string> names;
+      for (const fs::path& place : tried) {
+        names.push_back(place.string());
+      }
+      problems.add({file->where, key, "no such file: tried " + join_words(names),
+                    file->description(), "", nearest_file(tried.front().string())});
       continue;
     }
+    const fs::path& full = *found;
     const std::string canonical = fs::weakly_canonical(full, error).string();
     if (may_include(*file, canonical, key)) {
       overlay(base, load_file(full.string(), full.string(), problems, including, extent));
@@ -417,6 +445,8 @@ Value parse_document(const std::string& text, const std::string& name, const std
 Value parse_request(const std::string& text, const std::string& name, Problems& problems) {
   Extent extent;
   extent.may_include = false;
+  extent.max_nodes = kMaximumRequestNodes;
+  extent.max_bytes = kMaximumRequestBytes;
   return parse_text(text, name, ".", problems, {}, extent);
 }
 

@@ -4,7 +4,9 @@
 // includes them < --set arguments. Maps merge key by key; lists and scalars are replaced whole.
 //
 //   machine:
-//     include: ../machines/excavator_ref18t.yaml   # or a list of files; relative to this file
+//     include: ../machines/excavator_ref18t.yaml   # or a list of files; relative to this file,
+//     else
+//                                                    # to a folder of configurations
 //     position: [0 m, 0 m, 0 m]                    # beats what the file says
 #pragma once
 
@@ -44,7 +46,10 @@ struct Value::Entry {
 /// Bounds that keep a hostile or mistaken file from eating the machine.
 inline constexpr std::size_t kMaximumFileBytes = 16u << 20;
 inline constexpr std::size_t kMaximumNodes = 1'000'000;  ///< With those of included files.
+inline constexpr std::size_t kMaximumBytes = 64u << 20;  ///< Of keys and values, likewise.
 inline constexpr int kMaximumDepth = 64;
+inline constexpr std::size_t kMaximumRequestNodes = 10'000;
+inline constexpr std::size_t kMaximumRequestBytes = 1u << 20;
 inline constexpr std::size_t kMaximumIncludeDepth = 8;
 inline constexpr std::size_t kMaximumIncludes = 1000;  ///< Each counted as often as it is read.
 

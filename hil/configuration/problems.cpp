@@ -24,14 +24,26 @@ std::string Location::line_text() const {
   return line == 0 ? *source : fmt::format("{}:{}", *source, line);
 }
 
+namespace {
+
+/// Of what a file has, as much as says what it is.
+std::string cut(const std::string& text) {
+  constexpr std::size_t kMaxShown = 1000;
+  return text.size() <= kMaxShown
+             ? text
+             : text.substr(0, kMaxShown) + fmt::format("... ({} bytes)", text.size());
+}
+
+}  // namespace
+
 std::string Problem::line() const {
   std::string text = where.text() + ": ";
   if (!path.empty()) {
-    text += path + ": ";
+    text += cut(path) + ": ";
   }
   text += what;
   if (!found.empty()) {
-    text += ", found " + found;
+    text += ", found " + cut(found);
   }
   if (!allowed.empty()) {
     text += ", allowed " + allowed;

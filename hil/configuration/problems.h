@@ -54,7 +54,7 @@ class Origins;
 class Problems {
  public:
   /// Those that are told; of more the number. Nobody reads on, and each would be looked at again.
-  static constexpr std::size_t kMostTold = 1000;
+  static constexpr std::size_t kMostTold = 100;
 
   void add(Problem problem);
   /// Each with its path as it was written; what is then said twice, once.

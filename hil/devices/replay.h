@@ -26,6 +26,7 @@ struct ReplayConfiguration final : DeviceConfigurationOf<ReplayConfiguration> {
   void visit(fields::Visitor& v) override;
   void validate() const override {}
   void check(const std::string& at, RigCheck& check) const override;
+  void check_source(const std::string& at, RigCheck& check) const;
   void each_fault(const FaultEar& take) override;
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override { return {}; }
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;

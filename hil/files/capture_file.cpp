@@ -73,6 +73,14 @@ void CaptureFile::refuse(const protocols::Malformed& fault) const {
                                           fault.reason, offset_ + at_ + fault.offset));
 }
 
+void CaptureFile::pass_over(const pcapng::Block& block) {
+  if (const auto* const section = std::get_if<pcapng::Section>(&block)) {
+    application_ = section->application;
+  } else if (const auto* const other = std::get_if<pcapng::OtherBlock>(&block)) {
+    without_time_ += other->type == pcapng::kSimplePacketBlock ? 1 : 0;
+  }
+}
+
 const CapturedPacket* CaptureFile::next() {
   while (true) {
     const auto rest = std::span<const std::uint8_t>(bytes_).subspan(at_);
@@ -98,6 +106,8 @@ const CapturedPacket* CaptureFile::next() {
       found = packet != nullptr;
       if (found) {
         packet_ = {*packet, pcapng_.interfaces()[packet->interface]};
+      } else if (block.ok()) {
+        pass_over(*block);
       }
     }
     if (taken == 0) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "protocols/pcapng/pcap.h"
@@ -33,11 +34,16 @@ class CaptureFile {
   [[nodiscard]] const CapturedPacket* next();
   /// After the end: the file ended in the middle of a packet. What was whole has been handed out.
   [[nodiscard]] bool truncated() const { return truncated_; }
+  /// The program that wrote what was read last; empty where the file does not name it.
+  [[nodiscard]] const std::string& application() const { return application_; }
+  /// Packets so far that were passed over, since their blocks have no time.
+  [[nodiscard]] std::uint64_t without_time() const { return without_time_; }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:
   /// More of the file behind what is left of it; false: there is no more.
   bool read_more();
+  void pass_over(const protocols::pcapng::Block& block);
   [[noreturn]] void refuse(const protocols::Malformed& fault) const;
 
   std::filesystem::path path_;
@@ -49,6 +55,8 @@ class CaptureFile {
   std::optional<protocols::pcapng::PcapReader> pcap_;  ///< Nothing: it is pcapng.
   protocols::pcapng::Reader pcapng_;
   CapturedPacket packet_;
+  std::string application_;
+  std::uint64_t without_time_ = 0;
 };
 
 }  // namespace rigwire::hil

@@ -80,11 +80,6 @@ std::optional<double> size_of(std::string unit, fields::Dimension dimension) {
   return found == nullptr ? std::nullopt : std::optional(found->numerator / found->denominator);
 }
 
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 Duration milliseconds(double ms) {
   constexpr double kGreatest_ms = 3'600'000.0;
   return from_seconds(1e-3 * std::clamp(ms, 0.0, kGreatest_ms));
@@ -441,14 +436,11 @@ class Binder {
   emulators::DbcSentMessage sent_as(const dbc::FileMessage& message) {
     emulators::DbcSentMessage sent;
     sent.layout = message.layout;
-    const std::string type = lower(message.send_type);
-    const auto says = [&type](std::string_view word) {
-      return type.find(word) != std::string::npos;
-    };
+    const dbc::SendType type = dbc::send_type(message.send_type);
     sent.period = milliseconds(message.period_ms);
-    sent.on_change = says("change") || says("spontan") || says("event");
-    sent.on_request = says("request");
-    if ((sent.on_change || sent.on_request) && !says("cyclic")) {
+    sent.on_change = type.on_change;
+    sent.on_request = type.on_request;
+    if ((sent.on_change || sent.on_request) && !type.by_time) {
       sent.period = Duration{0};
     }
     sent.start_delay = milliseconds(message.start_delay_ms);

@@ -44,24 +44,35 @@ struct Grid {
   double origin_y = 0.0;
   double metres_x = 1.0;  ///< For each unit.
   double metres_y = 1.0;
+  bool in_degrees = false;
 };
+
+/// Metres in a degree of the meridian and of the parallel on WGS 84.
+struct DegreeLengths {
+  double along_meridian_m = 0.0;
+  double along_parallel_m = 0.0;
+};
+DegreeLengths degree_at(double latitude_deg) {
+  constexpr double kA_m = 6378137.0;
+  constexpr double kE2 = 6.69437999014e-3;
+  const double latitude = latitude_deg * kRadiansPerDegree;
+  const double w = std::sqrt(1.0 - kE2 * std::pow(std::sin(latitude), 2));
+  return {kRadiansPerDegree * kA_m * (1.0 - kE2) / std::pow(w, 3),
+          kRadiansPerDegree * kA_m / w * std::cos(latitude)};
+}
 
 Grid grid_at(int epsg, const OriginPlace& origin, const std::string& who) {
   const int family = epsg / 100;
   if (family == 326 || family == 327 || (family == 258 && epsg >= 25828)) {
     const auto place =
         sim::utm_place(origin.latitude_deg, origin.longitude_deg, epsg % 100, family != 327);
-    return {place.easting_m, place.northing_m, 1.0 / place.grid_scale, 1.0 / place.grid_scale};
+    return {place.easting_m, place.northing_m, 1.0 / place.grid_scale, 1.0 / place.grid_scale,
+            false};
   }
   if (epsg == 4326 || epsg == 4258) {
-    // Radii of the meridian and of the parallel on WGS 84.
-    constexpr double kA_m = 6378137.0;
-    constexpr double kE2 = 6.69437999014e-3;
-    const double latitude = origin.latitude_deg * kRadiansPerDegree;
-    const double w = std::sqrt(1.0 - kE2 * std::pow(std::sin(latitude), 2));
-    return {origin.longitude_deg, origin.latitude_deg,
-            kRadiansPerDegree * kA_m / w * std::cos(latitude),
-            kRadiansPerDegree * kA_m * (1.0 - kE2) / std::pow(w, 3)};
+    const DegreeLengths degree = degree_at(origin.latitude_deg);
+    return {origin.longitude_deg, origin.latitude_deg, degree.along_parallel_m,
+            degree.along_meridian_m, true};
   }
   throw std::invalid_argument(fmt::format(
       "{}its coordinate system is {}; georeferenced maps need EPSG 326zz, 327zz, 258zz (UTM), 4326 "
@@ -94,8 +105,10 @@ void fill_gaps(const sim::HeightMapTerrain& map, const std::string& who, GeoRast
 
 /// Size of a pixel, m, and where the middle of the south-western one lies.
 struct Layout {
-  double pixel_m = 0.0;
+  Eigen::Vector2d pixel_m = Eigen::Vector2d::Zero();  ///< East, north.
   Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();
+  bool in_degrees = false;
+  bool is_square = false;  ///< Over the whole map both sides of a pixel agree to a pixel.
 };
 
 Layout lay_out(const sim::HeightMapTerrain& map, const GeoRaster& raster, const OriginPlace& origin,
@@ -119,22 +132,29 @@ Layout lay_out(const sim::HeightMapTerrain& map, const GeoRaster& raster, const 
     pixel_x = std::abs(raster.pixel->first) * grid.metres_x;
     pixel_y = std::abs(raster.pixel->second) * grid.metres_y;
   }
-  const double pixel_m = 0.5 * (pixel_x + pixel_y);
-  const auto cells = static_cast<double>(std::max(raster.columns, raster.rows) - 1);
-  if (!(pixel_m > 0.0) || std::abs(pixel_x - pixel_y) * cells > pixel_m) {
+  if (!(pixel_x > 0.0 && pixel_y > 0.0)) {
     throw std::invalid_argument(
-        fmt::format("{}its pixels measure {} m by {} m; over the map both must agree to a pixel",
-                    who, pixel_x, pixel_y));
+        fmt::format("{}its pixels measure {} m by {} m, allowed above 0", who, pixel_x, pixel_y));
   }
-  const Eigen::Vector2d extent = pixel_m * Eigen::Vector2d(static_cast<double>(raster.columns - 1),
-                                                           static_cast<double>(raster.rows - 1));
+  const auto cells = static_cast<double>(std::max(raster.columns, raster.rows) - 1);
+  const double mean = 0.5 * (pixel_x + pixel_y);
+  Layout layout;
+  layout.in_degrees = grid.in_degrees && placed;
+  layout.is_square = std::abs(pixel_x - pixel_y) * cells <= mean;
+  layout.pixel_m =
+      layout.is_square ? Eigen::Vector2d(mean, mean) : Eigen::Vector2d(pixel_x, pixel_y);
+  const Eigen::Vector2d extent = layout.pixel_m.cwiseProduct(Eigen::Vector2d(
+      static_cast<double>(raster.columns - 1), static_cast<double>(raster.rows - 1)));
   if (!placed) {
-    return {pixel_m, -0.5 * extent};
+    layout.origin_m = -0.5 * extent;
+    return layout;
   }
   const double middle = raster.pixel_is_area ? 0.5 : 0.0;
   const GeoRaster::TiePoint& tie = *raster.tie_point;
-  const double west = (tie.x - grid.origin_x) * grid.metres_x + (middle - tie.column) * pixel_m;
-  const double north = (tie.y - grid.origin_y) * grid.metres_y - (middle - tie.row) * pixel_m;
+  const double west =
+      (tie.x - grid.origin_x) * grid.metres_x + (middle - tie.column) * layout.pixel_m.x();
+  const double north =
+      (tie.y - grid.origin_y) * grid.metres_y - (middle - tie.row) * layout.pixel_m.y();
   const Eigen::Vector2d lower(west, north - extent.y());
   if ((lower.array() > 0.0).any() || ((lower + extent).array() < 0.0).any()) {
     throw std::invalid_argument(fmt::format(
@@ -143,7 +163,61 @@ Layout lay_out(const sim::HeightMapTerrain& map, const GeoRaster& raster, const 
         who, lower.x(), lower.x() + extent.x(), lower.y(), lower.y() + extent.y(),
         origin.latitude_deg, origin.longitude_deg));
   }
-  return {pixel_m, lower};
+  layout.origin_m = lower;
+  return layout;
+}
+
+/// A grid of square cells, as wide as a pixel's shorter side, from a map whose pixels are none
+/// (equal steps in degrees are 0.65 as wide as high at 50 degrees north). Bilinear between the
+/// pixels' middles; of a map in degrees each row counts the length of its own parallel.
+GeoRaster with_square_cells(const GeoRaster& raster, const Layout& layout,
+                            const OriginPlace& origin, const std::string& who) {
+  constexpr double kMost = 32768.0;
+  const double cell_m = layout.pixel_m.minCoeff();
+  const Eigen::Vector2d cells =
+      layout.pixel_m.cwiseProduct(Eigen::Vector2d(static_cast<double>(raster.columns - 1),
+                                                  static_cast<double>(raster.rows - 1))) /
+      cell_m;
+  if (cells.maxCoeff() >= kMost) {
+    throw std::invalid_argument(fmt::format(
+        "{}needs {:.0f} by {:.0f} square cells of {:.3f} m, allowed {:.0f} along a side", who,
+        cells.x(), cells.y(), cell_m, kMost));
+  }
+  GeoRaster square = raster;
+  square.columns = static_cast<std::size_t>(cells.x() + 1e-6) + 1;
+  square.rows = static_cast<std::size_t>(cells.y() + 1e-6) + 1;
+  square.values.clear();
+  square.values.reserve(square.columns * square.rows);
+  const DegreeLengths at_origin = degree_at(origin.latitude_deg);
+  const auto last_column = static_cast<double>(raster.columns - 1);
+  const auto last_row = static_cast<double>(raster.rows - 1);
+  const auto north_edge_m = layout.origin_m.y() + layout.pixel_m.y() * last_row;
+  const auto south_edge_m = layout.origin_m.y();
+  for (std::size_t r = 0; r < square.rows; ++r) {  // from the north, as the raster
+    const double north_m = south_edge_m + cell_m * static_cast<double>(square.rows - 1 - r);
+    const double widening =
+        layout.in_degrees
+            ? at_origin.along_parallel_m /
+                  degree_at(origin.latitude_deg + north_m / at_origin.along_meridian_m)
+                      .along_parallel_m
+            : 1.0;
+    const double row = std::clamp((north_edge_m - north_m) / layout.pixel_m.y(), 0.0, last_row);
+    const auto r0 = std::min(static_cast<std::size_t>(row), raster.rows - 2);
+    const double down = row - static_cast<double>(r0);
+    for (std::size_t c = 0; c < square.columns; ++c) {
+      const double east_m = layout.origin_m.x() + cell_m * static_cast<double>(c);
+      const double column = std::clamp(
+          (east_m * widening - layout.origin_m.x()) / layout.pixel_m.x(), 0.0, last_column);
+      const auto c0 = std::min(static_cast<std::size_t>(column), raster.columns - 2);
+      const double right = column - static_cast<double>(c0);
+      const auto value = [&](std::size_t dr, std::size_t dc) {
+        return raster.values[(r0 + dr) * raster.columns + c0 + dc];
+      };
+      square.values.push_back((1.0 - down) * ((1.0 - right) * value(0, 0) + right * value(0, 1)) +
+                              down * ((1.0 - right) * value(1, 0) + right * value(1, 1)));
+    }
+  }
+  return square;
 }
 
 }  // namespace
@@ -159,8 +233,11 @@ std::shared_ptr<const sim::HeightField> load_height_map(const sim::HeightMapTerr
   }
   fill_gaps(map, who, raster);
   const Layout layout = lay_out(map, raster, origin, who);
+  if (!layout.is_square) {
+    raster = with_square_cells(raster, layout, origin, who);
+  }
   auto field = std::make_shared<sim::HeightField>();
-  field->cell_m = layout.pixel_m;
+  field->cell_m = layout.pixel_m.minCoeff();
   field->origin_m = layout.origin_m;
   field->columns = raster.columns;
   field->rows = raster.rows;

@@ -5,6 +5,7 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include <assimp/BaseImporter.h>
 #include <assimp/DefaultIOSystem.h>
 #include <algorithm>
 #include <array>
@@ -21,7 +22,9 @@
 #include <string_view>
 #include <utility>
 
+#include "hil/configuration/plain_text.h"
 #include "hil/files/image_file.h"
+#include "hil/files/ply_file.h"
 #include "hil/files/wavefront_file.h"
 #include "sim/scene/colour_texture.h"
 
@@ -54,6 +57,8 @@ class OpenedFiles final : public Assimp::DefaultIOSystem {
   std::vector<std::string>& names_;
 };
 
+constexpr std::array<std::string_view, 5> kExtensions{".gltf", ".glb", ".obj", ".stl", ".ply"};
+
 /// Triangles alone need no material library.
 enum class Wanted { triangles, surfaces };
 
@@ -64,8 +69,21 @@ class File {
     if (!std::filesystem::is_regular_file(file)) {
       throw std::invalid_argument(who_ + "there is no such file");
     }
-    importer_.SetIOHandler(new OpenedFiles(files_));  // the importer's from here on
     const std::string extension = lower_case(file.extension().string());
+    if (std::ranges::find(kExtensions, extension) == kExtensions.end()) {
+      throw std::invalid_argument(
+          fmt::format("{}no format of a mesh that is read, found \"{}\", allowed {}", who_,
+                      printable(extension), fmt::join(kExtensions, ", ")));
+    }
+    files_.push_back(file.string());
+    if (extension == ".ply") {
+      const std::string content = read(path_);
+      plain_ =
+          read_ply({reinterpret_cast<const std::uint8_t*>(content.data()), content.size()}, who_);
+      return;
+    }
+    keep_own_formats();
+    importer_.SetIOHandler(new OpenedFiles(files_));  // the importer's from here on
     gltf_ = extension == ".gltf" || extension == ".glb";
     if (extension == ".obj") {
       scanned_ = scan_wavefront_mesh(read(path_), path_.string());
@@ -88,6 +106,9 @@ class File {
     }
   }
 
+  /// All of a file without materials; null: it is a scene.
+  [[nodiscard]] const sim::TriangleMesh* plain() const { return plain_ ? &*plain_ : nullptr; }
+  /// Precondition: it is not plain.
   [[nodiscard]] const aiScene& scene() const { return *scene_; }
   /// Opened so far.
   [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
@@ -223,6 +244,23 @@ class File {
     std::filesystem::path file;
     std::vector<WavefrontMaterial> materials;
   };
+
+  /// assimp looks into a file for any format that it knows, whatever the name says. Its readers of
+  /// the formats that nobody asked for are taken out.
+  void keep_own_formats() {
+    for (std::size_t i = importer_.GetImporterCount(); i-- > 0;) {
+      std::set<std::string> extensions;
+      Assimp::BaseImporter* const reader = importer_.GetImporter(i);
+      reader->GetExtensionList(extensions);
+      const bool ours = std::ranges::any_of(kExtensions, [&](std::string_view extension) {
+        return extension != ".ply" && extensions.contains(std::string(extension.substr(1)));
+      });
+      if (!ours) {
+        importer_.UnregisterLoader(reader);
+        removed_.emplace_back(reader);
+      }
+    }
+  }
 
   static std::string read(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -375,8 +413,10 @@ class File {
   std::vector<std::string> notes_;
   WavefrontMesh scanned_;  ///< Of an OBJ file.
   std::vector<Library> libraries_;
+  std::optional<sim::TriangleMesh> plain_;
   std::map<std::string, std::shared_ptr<const Image>> images_;
   std::map<std::pair<const Image*, bool>, std::shared_ptr<const sim::ColourTexture>> textures_;
+  std::vector<std::unique_ptr<Assimp::BaseImporter>> removed_;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;
 };
@@ -389,13 +429,31 @@ void check(const sim::TriangleMesh& mesh, const std::filesystem::path& file) {
   }
 }
 
+/// Leaves out triangles that no ray can meet; throws where none is left.
+void finish(LoadedModel& model, const std::filesystem::path& file, const std::string& name) {
+  for (sim::TriangleMesh& part : model.parts) {
+    model.dropped += sim::drop_bad_triangles(part);
+    if (!part.triangles.empty()) {
+      check(part, file);
+    }
+  }
+  std::erase_if(model.parts, [](const sim::TriangleMesh& part) { return part.triangles.empty(); });
+  if (model.parts.empty()) {
+    throw std::invalid_argument(fmt::format(
+        "mesh '{}', file '{}': has no triangle that a ray can meet ({} not finite, {} over {} m "
+        "from its origin, {} without area)",
+        name, file.string(), model.dropped.not_finite, model.dropped.too_far,
+        sim::kFarthestVertex_m, model.dropped.no_area));
+  }
+}
+
 }  // namespace
 
 sim::TriangleMesh load_mesh(const std::filesystem::path& file, const std::string& name) {
   const File opened(file, name, Wanted::triangles);
-  sim::TriangleMesh mesh;
+  sim::TriangleMesh mesh = opened.plain() != nullptr ? *opened.plain() : sim::TriangleMesh{};
   mesh.name = name;
-  for (unsigned m = 0; m < opened.scene().mNumMeshes; ++m) {
+  for (unsigned m = 0; opened.plain() == nullptr && m < opened.scene().mNumMeshes; ++m) {
     opened.append(*opened.scene().mMeshes[m], mesh);
   }
   check(mesh, file);
@@ -404,8 +462,14 @@ sim::TriangleMesh load_mesh(const std::filesystem::path& file, const std::string
 
 LoadedModel load_model(const std::filesystem::path& file, const std::string& name) {
   File opened(file, name, Wanted::surfaces);
-  const aiScene& scene = opened.scene();
   LoadedModel model;
+  if (opened.plain() != nullptr) {
+    model.parts.push_back(*opened.plain());
+    model.parts.back().name = name;
+    finish(model, file, name);
+    return model;
+  }
+  const aiScene& scene = opened.scene();
   for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
     sim::TriangleMesh part;
     part.name = name;
@@ -435,26 +499,16 @@ LoadedModel load_model(const std::filesystem::path& file, const std::string& nam
     if (!part.alpha && !textured) {
       part.texture_coordinates.clear();
     }
-    model.dropped += sim::drop_bad_triangles(part);
-    if (!part.triangles.empty()) {
-      check(part, file);
-      model.parts.push_back(std::move(part));
-    }
+    model.parts.push_back(std::move(part));
   }
   model.notes = opened.notes();
-  if (model.parts.empty()) {
-    throw std::invalid_argument(fmt::format(
-        "mesh '{}', file '{}': has no triangle that a ray can meet ({} not finite, {} over {} m "
-        "from its origin, {} without area)",
-        name, file.string(), model.dropped.not_finite, model.dropped.too_far,
-        sim::kFarthestVertex_m, model.dropped.no_area));
-  }
+  finish(model, file, name);
   return model;
 }
 
 std::vector<std::string> mesh_files(const std::filesystem::path& file) {
   File opened(file, file.string(), Wanted::surfaces);
-  for (unsigned i = 0; i < opened.scene().mNumMaterials; ++i) {
+  for (unsigned i = 0; opened.plain() == nullptr && i < opened.scene().mNumMaterials; ++i) {
     const aiMaterial& material = *opened.scene().mMaterials[i];
     (void)opened.colour(material, opened.mask(material) != nullptr);
   }

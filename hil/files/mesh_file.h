@@ -1,4 +1,5 @@
-// Meshes from files (glTF 2.0, Wavefront OBJ, STL, PLY, and what else assimp reads).
+// Meshes from files: glTF 2.0, Wavefront OBJ and STL as assimp reads them, PLY (ply_file.h). Others
+// are refused.
 #pragma once
 
 #include <filesystem>

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "fields/constants.h"
+#include "hil/configuration/plain_text.h"
 #include "hil/files/mcap_file.h"
 
 namespace rigwire::hil {
@@ -81,11 +82,13 @@ class CsvMotion {
       double value = NumberTable::kMissing;
       const char* const end = fields[i].data() + fields[i].size();
       const auto [stop, error] = std::from_chars(fields[i].data(), end, value);
-      if (!fields[i].empty() && (error != std::errc{} || stop != end) && wanted(names_[i])) {
+      const bool is_number =
+          !fields[i].empty() && error == std::errc{} && stop == end && std::isfinite(value);
+      if (!fields[i].empty() && !is_number && wanted(names_[i])) {
         refuse_motion(settings_.file, fmt::format("line {}: {}: no number, found \"{}\"", number_,
-                                                  names_[i], fields[i]));
+                                                  names_[i], printable(fields[i])));
       }
-      if (!fields[i].empty() && error == std::errc{} && stop == end) {
+      if (is_number) {
         row.emplace(names_[i], value);
       }
     }
@@ -129,7 +132,7 @@ class CsvMotion {
     for (const auto& names :
          {std::array{"x_m", "y_m", "z_m"}, std::array{"east_m", "north_m", "up_m"},
           std::array{"position_m.0", "position_m.1", "position_m.2"}}) {
-      if (const auto p_W = three(row, of, names)) {
+      if (auto p_W = three(row, of, names)) {
         return p_W;
       }
     }

@@ -15,15 +15,19 @@
 #include <utility>
 
 #include "fields/constants.h"
+#include "hil/configuration/plain_text.h"
+#include "hil/configuration/suggest.h"
 #include "hil/files/capture_file.h"
-#include "protocols/bytes.h"
 #include "protocols/can/frame_text.h"
+#include "protocols/gnss_stream/splitter.h"
+#include "protocols/gnss_stream/time.h"
 #include "protocols/pcapng/link_packet.h"
 
 namespace rigwire::hil {
 namespace {
 
 namespace fs = std::filesystem;
+namespace gnss_stream = protocols::gnss_stream;
 namespace pcapng = protocols::pcapng;
 
 std::ifstream open_file(const fs::path& path) {
@@ -75,9 +79,13 @@ class CaptureReader final : public ReplayReader {
   bool next(std::int64_t& at_ns, ReplayedUnit& unit) override {
     while (const CapturedPacket* const captured = file_.next()) {
       const auto& [packet, interface] = *captured;
-      if (packet.direction == pcapng::Direction::inbound ||
-          (!settings_.wire.empty() && interface.name != settings_.wire)) {
+      if (!settings_.wire.empty() && interface.name != settings_.wire) {
         names_.insert(interface.name);
+        continue;
+      }
+      if (!has_wanted_direction(packet)) {
+        names_.insert(interface.name);
+        count_note("packet of the other direction (source.direction)");
         continue;
       }
       if (!take(packet, interface.link, unit)) {
@@ -86,6 +94,10 @@ class CaptureReader final : public ReplayReader {
       look_at_interface(packet.interface, interface);
       at_ns = static_cast<std::int64_t>(packet.time_ns);
       return true;
+    }
+    if (const std::uint64_t count = file_.without_time(); count > without_time_) {
+      count_note("packet without a time", count - without_time_);
+      without_time_ = count;
     }
     if (!settings_.wire.empty() && !interface_) {
       std::string names;
@@ -104,9 +116,37 @@ class CaptureReader final : public ReplayReader {
   [[nodiscard]] bool truncated() const override { return file_.truncated(); }
 
  private:
+  /// In our own recordings what is inbound came from a client. A recorder of others stands at the
+  /// client, or says nothing: there the device's own packets may be either.
+  [[nodiscard]] bool has_wanted_direction(const pcapng::Packet& packet) const {
+    using enum ReplayedDirection;
+    switch (settings_.direction) {
+      case inbound:
+        return packet.direction == pcapng::Direction::inbound;
+      case outbound:
+        return packet.direction == pcapng::Direction::outbound;
+      case both:
+        return true;
+      case automatic:
+        break;
+    }
+    return packet.direction != pcapng::Direction::inbound ||
+           !file_.application().starts_with("rigwire");
+  }
+
   bool take(const pcapng::Packet& packet, pcapng::LinkType link, ReplayedUnit& unit) {
+    if (packet.original_length > packet.bytes.size()) {
+      count_note("packet that the recorder cut");
+      return false;
+    }
     if (link == pcapng::LinkType::socketcan) {
       const auto frame = pcapng::can_frame(packet.bytes);
+      if (!frame.ok()) {
+        count_note(pcapng::is_error_frame(packet.bytes) ? "error frame"
+                   : frame.malformed() && packet.bytes.size() > 5 && packet.bytes[4] > 8
+                       ? "CAN FD frame"
+                       : "damaged CAN frame");
+      }
       if (frame.ok()) {
         unit.frame = *frame;
         unit.bytes.assign(frame->payload().begin(), frame->payload().end());
@@ -121,8 +161,13 @@ class CaptureReader final : public ReplayReader {
       return !bytes.empty();
     }
     const auto datagram = pcapng::udp_packet(packet.bytes, link);
-    if (!datagram.ok() ||
-        (!settings_.from_address.empty() && datagram->from.address != from_address_) ||
+    if (!datagram.ok()) {
+      count_note(datagram.malformed()
+                     ? "packet that is no UDP: " + std::string(datagram.fault().reason)
+                     : "damaged packet");
+      return false;
+    }
+    if ((!settings_.from_address.empty() && datagram->from.address != from_address_) ||
         (settings_.from_port != 0 && datagram->from.port != settings_.from_port) ||
         (settings_.to_port != 0 && datagram->to.port != settings_.to_port)) {
       return false;
@@ -153,6 +198,7 @@ class CaptureReader final : public ReplayReader {
   std::optional<std::uint32_t> interface_;
   std::string name_;
   std::set<std::string> names_;  ///< Of those that were passed over.
+  std::uint64_t without_time_ = 0;
   ReplayedKind kind_ = ReplayedKind::datagrams;
 };
 
@@ -169,7 +215,11 @@ class CandumpReader final : public ReplayReader {
       if (!line.empty() && line.back() == '\r') {
         line.pop_back();
       }
-      if (line.empty() || line.ends_with(" T")) {
+      if (line.empty() || line.front() == '#') {
+        continue;
+      }
+      if (line.ends_with(" T")) {
+        count_note("frame that the recorder's own host sent (T)");
         continue;
       }
       const std::size_t close = line.find(") ");
@@ -186,17 +236,30 @@ class CandumpReader final : public ReplayReader {
       }
       const std::string bus = line.substr(close + 2, name - close - 2);
       if (!settings_.wire.empty() && bus != settings_.wire) {
+        names_.insert(bus);
         continue;
       }
       const std::string text = line.substr(name + 1, line.find(' ', name + 1) - name - 1);
       const auto frame = protocols::can::parse_frame_text(text);
-      if (!frame || (frame->extended && (frame->id >> 29U) != 0)) {
-        continue;  // an error frame, or CAN FD
+      if (!frame) {
+        count_note(kind_of_line(text));
+        continue;
       }
+      if (!bus_.empty() && bus != bus_) {
+        throw std::invalid_argument(fmt::format(
+            "source.wire: {} has several wires, found \"{}\" and \"{}\", allowed one: name it",
+            settings_.file, printable(bus_), printable(bus)));
+      }
+      bus_ = bus;
       unit.frame = *frame;
       unit.bytes.assign(frame->payload().begin(), frame->payload().end());
       at_ns = *at;
       return true;
+    }
+    if (bus_.empty() && !settings_.wire.empty() && !names_.empty()) {
+      throw std::invalid_argument(fmt::format(
+          "source.wire: {} has no such wire, found \"{}\", allowed {}", settings_.file,
+          settings_.wire, join_words(std::vector<std::string>(names_.begin(), names_.end()))));
     }
     return false;
   }
@@ -204,8 +267,23 @@ class CandumpReader final : public ReplayReader {
   [[nodiscard]] bool truncated() const override { return truncated_; }
 
  private:
+  /// Of text behind the interface's name that is no classic frame.
+  static std::string kind_of_line(std::string_view text) {
+    constexpr std::uint32_t kErrorFlag = 0x2000'0000;
+    const std::size_t mark = std::min(text.find('#'), text.size());
+    std::uint32_t id = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + mark, id, 16);
+    const bool is_id = error == std::errc() && end == text.data() + mark;
+    if (is_id && mark == 8 && (id & kErrorFlag) != 0) {
+      return "error frame";
+    }
+    return is_id && text.substr(mark).starts_with("##") ? "CAN FD frame" : "line that is no frame";
+  }
+
   const ReplaySourceSettings settings_;
   std::ifstream file_;
+  std::set<std::string> names_;  ///< Of interfaces that were passed over.
+  std::string bus_;              ///< The one that is played.
   std::size_t number_ = 0;
   bool truncated_ = false;
 };
@@ -265,52 +343,64 @@ class IndexedReader final : public ReplayReader {
   bool truncated_ = false;
 };
 
-/// What a receiver sent, without instants: its messages tell them.
+/// What a receiver sent, without instants: its messages tell them. What comes before the first time
+/// ends with that epoch's beginning, at the line's speed.
 class LogReader final : public ReplayReader {
  public:
   explicit LogReader(const ReplaySourceSettings& settings)
       : byte_ns_(10 * kSecond_ns / settings.baud) {
     std::ifstream file = open_file(settings.file);
     bytes_.assign(std::istreambuf_iterator<char>(file), {});
-    std::int64_t clock_ns = 0;
-    bool any = false;
-    for (std::size_t at = 0; at < bytes_.size() && !any;) {
-      const std::size_t size = message_size(at);
-      any = clock_of(std::span<const std::uint8_t>(bytes_).subspan(at, size), clock_ns);
-      at += size;
-    }
-    if (!any) {
+    gnss_stream::LeapSeconds leap_seconds;
+    gnss_stream::Splitter splitter;
+    const auto add = [&](std::span<const std::uint8_t> bytes,
+                         const gnss_stream::Splitter::Content& content) {
+      const auto time = time_in(content);
+      if (time) {
+        leap_seconds.take(*time);
+      }
+      if (std::holds_alternative<std::monostate>(content)) {
+        add_unknown(bytes);
+      } else {
+        pieces_.push_back({bytes.size(), time});
+      }
+    };
+    splitter.take(bytes_, add);
+    splitter.flush(add);
+    clock_ = gnss_stream::StreamClock(leap_seconds.value());
+    const auto first =
+        std::ranges::find_if(pieces_, [](const Piece& piece) { return piece.time.has_value(); });
+    if (first == pieces_.end()) {
       refuse_replayed(
           settings.file,
           "nothing tells when it was: found no capture, no candump log, no index beside it, no "
-          "time in GGA, RMC, GLL, ZDA or in UBX NAV");
+          "time in an intact GGA, RMC, GLL, GNS, GBS, GST or ZDA or in UBX NAV or RXM-RAWX");
     }
+    std::size_t before = 0;
+    for (auto piece = pieces_.begin(); piece != first; ++piece) {
+      before += piece->size;
+    }
+    epoch_ns_ = clock_.take(*first->time);
+    left_ns_ = epoch_ns_ - static_cast<std::int64_t>(before) * byte_ns_;
+    first_ = static_cast<std::size_t>(first - pieces_.begin());
   }
 
   bool next(std::int64_t& at_ns, ReplayedUnit& unit) override {
-    if (at_ == bytes_.size()) {
+    if (piece_ == pieces_.size()) {
       return false;
     }
-    const std::size_t size = message_size(at_);
-    const auto message = std::span<const std::uint8_t>(bytes_).subspan(at_, size);
-    std::int64_t clock_ns = 0;
-    if (clock_of(message, clock_ns) && (!begun_ || clock_ns != clock_ns_)) {
-      // The time of the day or of the week begins anew.
-      for (const std::int64_t wrap : {86'400 * kSecond_ns, 604'800 * kSecond_ns}) {
-        const std::int64_t day = clock_ns - clock_ns_;
-        if (begun_ && day < -wrap / 2) {
-          wraps_ns_ += wrap;
-          break;
-        }
-      }
-      clock_ns_ = clock_ns;
-      const std::int64_t epoch_ns = clock_ns + wraps_ns_;
-      left_ns_ = begun_ ? std::max(left_ns_, epoch_ns) : epoch_ns;
-      begun_ = true;
+    const Piece& piece = pieces_[piece_];
+    if (piece.time && piece_ > first_) {
+      epoch_ns_ = std::max(epoch_ns_, clock_.take(*piece.time));
     }
-    left_ns_ += static_cast<std::int64_t>(size) * byte_ns_;
+    if (piece_ >= first_) {
+      left_ns_ = std::max(left_ns_, epoch_ns_);
+    }
+    left_ns_ += static_cast<std::int64_t>(piece.size) * byte_ns_;
+    const auto message = std::span<const std::uint8_t>(bytes_).subspan(at_, piece.size);
     unit.bytes.assign(message.begin(), message.end());
-    at_ += size;
+    at_ += piece.size;
+    ++piece_;
     at_ns = left_ns_;
     return true;
   }
@@ -321,54 +411,42 @@ class LogReader final : public ReplayReader {
   }
 
  private:
-  [[nodiscard]] std::size_t message_size(std::size_t from) const {
-    return receiver_message_size(std::span<const std::uint8_t>(bytes_).subspan(from));
+  struct Piece {
+    std::size_t size;
+    std::optional<gnss_stream::MessageTime> time;
+  };
+
+  static std::optional<gnss_stream::MessageTime> time_in(
+      const gnss_stream::Splitter::Content& content) {
+    if (const auto* const frame = std::get_if<protocols::ubx::FrameView>(&content)) {
+      return gnss_stream::time_of(*frame);
+    }
+    const auto* const sentence = std::get_if<protocols::nmea::SentenceView>(&content);
+    return sentence == nullptr ? std::nullopt : gnss_stream::time_of(*sentence);
   }
 
-  /// The instant that a message tells, as it counts it.
-  static bool clock_of(std::span<const std::uint8_t> message, std::int64_t& clock_ns) {
-    constexpr std::uint8_t kNavigation = 0x01;
-    if (message.size() >= 12 && message[0] == 0xB5 && message[2] == kNavigation) {
-      clock_ns = std::int64_t{protocols::load_little<std::uint32_t>(message, 6)} * 1'000'000;
-      return true;
+  /// Bytes of no message are played as they are: by line, or in pieces.
+  void add_unknown(std::span<const std::uint8_t> bytes) {
+    constexpr std::size_t kLongest = 256;
+    count_note("byte of no intact message, played as it is", bytes.size());
+    while (!bytes.empty()) {
+      const auto line = std::ranges::find(bytes, std::uint8_t{'\n'});
+      const auto size = std::min<std::size_t>(
+          kLongest, static_cast<std::size_t>(line - bytes.begin()) + (line == bytes.end() ? 0 : 1));
+      pieces_.push_back({size, std::nullopt});
+      bytes = bytes.subspan(size);
     }
-    if (message.size() < 14 || message[0] != '$') {
-      return false;
-    }
-    const std::string_view text(reinterpret_cast<const char*>(message.data()), message.size());
-    const std::string_view type = text.substr(3, 3);
-    std::size_t field = type == "GGA" || type == "RMC" || type == "ZDA" ? 1 : type == "GLL" ? 5 : 0;
-    if (field == 0) {
-      return false;
-    }
-    std::size_t at = 0;
-    for (; field > 0 && at != std::string_view::npos; --field) {
-      at = text.find(',', at + 1);
-    }
-    if (at == std::string_view::npos) {
-      return false;
-    }
-    const std::string_view word = text.substr(at + 1, text.find(',', at + 1) - at - 1);
-    if (word.size() < 6 ||
-        !std::all_of(word.begin(), word.begin() + 6, [](char c) { return c >= '0' && c <= '9'; })) {
-      return false;
-    }
-    const auto two = [&](std::size_t i) { return (word[i] - '0') * 10 + (word[i + 1] - '0'); };
-    const auto second = parse_instant(word.substr(4));
-    if (!second) {
-      return false;
-    }
-    clock_ns = (two(0) * 3600 + two(2) * 60) * kSecond_ns + *second;
-    return true;
   }
 
   std::vector<std::uint8_t> bytes_;
+  std::vector<Piece> pieces_;
+  gnss_stream::StreamClock clock_{0};
   std::int64_t byte_ns_;
+  std::size_t first_ = 0;  ///< Piece that tells a time.
+  std::size_t piece_ = 0;
   std::size_t at_ = 0;
-  std::int64_t clock_ns_ = 0;
-  std::int64_t wraps_ns_ = 0;
+  std::int64_t epoch_ns_ = 0;
   std::int64_t left_ns_ = 0;
-  bool begun_ = false;
 };
 
 }  // namespace
@@ -396,31 +474,13 @@ std::unique_ptr<ReplayReader> open_replay_reader(const ReplaySourceSettings& set
   return std::make_unique<LogReader>(settings);
 }
 
-std::size_t receiver_message_size(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() >= 6 && bytes[0] == 0xB5 && bytes[1] == 0x62) {
-    const std::size_t size = 8U + protocols::load_little<std::uint16_t>(bytes, 4);
-    if (size <= bytes.size()) {
-      return size;
-    }
-  }
-  constexpr std::size_t kLongest = 256;
-  for (std::size_t i = 0; i < std::min(bytes.size(), kLongest); ++i) {
-    if (bytes[i] == '\n') {
-      return i + 1;
-    }
-    if (i != 0 && (bytes[i] == '$' || bytes[i] == 0xB5)) {
-      return i;
-    }
-  }
-  return std::min(bytes.size(), kLongest);
-}
-
 void visit(fields::Visitor& v, ReplaySourceSettings& p) {
   using fields::IntegerRule;
   constexpr fields::DurationRule kSpan{0, 1'000'000'000'000'000};
   v.required("file");
   v.file("file", p.file, fields::FileKind::data,
          "Capture (pcap, pcapng), candump log, .bytes of a recording, or log of NMEA or UBX.");
+  v.choice("direction", p.direction, kReplayedDirections, "Of captures that tell directions.");
   v.text("wire", p.wire, "Of a file with several: the interface's name; empty = the only one.");
   v.text("from_address", p.from_address, "Datagrams from there only; empty = from anywhere.");
   v.integer("from_port", p.from_port, IntegerRule{0, 65535}, "Datagrams from that port; 0 = any.");

@@ -10,15 +10,18 @@
 //     (gnss.bytes with gnss.index)
 //   any other: NMEA, UBX as they are         messages                 of the clock within
 //
-// The clock within: GGA, RMC, GLL, ZDA or iTOW begins an epoch, and within it bytes follow each
-// other at line speed.
+// The clock within is protocols/gnss_stream/time.h: a new time begins an epoch, and within it bytes
+// follow each other at line speed.
 //
-// What a client had sent (inbound packets, T of candump, < of an index) is no part of it.
+// What a client had sent is no part of it: inbound packets of our own recordings, T of candump, <
+// of an index. In captures of others `direction` chooses. What cannot be played is counted by its
+// kind.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -40,6 +43,14 @@ inline constexpr std::array<fields::Choice<ReplayedGaps>, 2> kReplayedGaps{
     {{ReplayedGaps::keep, "keep", "As they are."},
      {ReplayedGaps::cut, "cut", "What is longer than a second lasts one second."}}};
 
+enum class ReplayedDirection : std::uint8_t { automatic, inbound, outbound, both };
+inline constexpr std::array<fields::Choice<ReplayedDirection>, 4> kReplayedDirections{
+    {{ReplayedDirection::automatic, "auto",
+      "All but what a client had sent, in recordings of Rigwire; both in files of others."},
+     {ReplayedDirection::inbound, "inbound", "What the recording machine received."},
+     {ReplayedDirection::outbound, "outbound", "What the recording machine sent."},
+     {ReplayedDirection::both, "both", "All of it."}}};
+
 enum class ReplayedAlignment : std::uint8_t { zero, gps };
 inline constexpr std::array<fields::Choice<ReplayedAlignment>, 2> kReplayedAlignments{
     {{ReplayedAlignment::zero, "zero", "The file's zero is played at the run's start."},
@@ -48,6 +59,7 @@ inline constexpr std::array<fields::Choice<ReplayedAlignment>, 2> kReplayedAlign
 
 struct ReplaySourceSettings {
   std::string file;
+  ReplayedDirection direction = ReplayedDirection::automatic;
   std::string wire;             ///< Interface of a pcapng file; empty: the only one that fits.
   std::string from_address;     ///< UDP filter; empty: any.
   std::uint16_t from_port = 0;  ///< 0: any.
@@ -86,6 +98,14 @@ class ReplayReader {
   [[nodiscard]] virtual std::int64_t transmission_ns(const ReplayedUnit& /*unit*/) const {
     return 0;
   }
+  /// How often what was read is not played, or not as it was, by what it is ("CAN FD frame").
+  [[nodiscard]] const std::map<std::string, std::uint64_t>& notes() const { return notes_; }
+
+ protected:
+  void count_note(const std::string& what, std::uint64_t count = 1) { notes_[what] += count; }
+
+ private:
+  std::map<std::string, std::uint64_t> notes_;
 };
 
 /// Reads what the settings name, and of captures what their filter lets through. Throws
@@ -93,9 +113,5 @@ class ReplayReader {
 /// kind that can be played is in it.
 [[nodiscard]] std::unique_ptr<ReplayReader> open_replay_reader(
     const ReplaySourceSettings& settings);
-
-/// The message of a receiver's log at the front of `bytes`, or what lies before the next one: its
-/// size, at least 1 of what is there.
-[[nodiscard]] std::size_t receiver_message_size(std::span<const std::uint8_t> bytes);
 
 }  // namespace rigwire::hil

@@ -33,9 +33,11 @@ ReplaySource::ReplaySource(const ReplaySourceSettings& settings,
     }
   }
   summary_.truncated = reader_->truncated();
+  summary_.notes = reader_->notes();
   if (summary_.units == 0) {
     refuse_replayed(settings_.file,
-                    "nothing in it can be played (source.wire, filter, start, end)");
+                    "nothing in it can be played (source.wire, direction, filter, start, end)" +
+                        (summary_.notes.empty() ? "" : ", found " + text_of_notes(summary_.notes)));
   }
   // Until the first unit comes again: the piece's own length, or that of its units and a mean gap.
   round_ = settings_.end != Duration{0}
@@ -49,6 +51,14 @@ ReplaySource::ReplaySource(const ReplaySourceSettings& settings,
 }
 
 ReplaySource::~ReplaySource() = default;
+
+std::string text_of_notes(const std::map<std::string, std::uint64_t>& notes) {
+  std::string text;
+  for (const auto& [what, count] : notes) {
+    text += fmt::format("{}{} x {}", text.empty() ? "" : ", ", count, what);
+  }
+  return text;
+}
 
 void ReplaySource::rewind() {
   reader_ = open_replay_reader(settings_);

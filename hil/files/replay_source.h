@@ -8,8 +8,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "hil/files/replay_reader.h"
@@ -22,11 +24,15 @@ struct ReplayedSummary {
   ReplayedKind kind = ReplayedKind::bytes;
   std::uint64_t units = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t went_back = 0;          ///< Instants before that of the unit in front.
-  Duration length{0};                   ///< From its first unit to its last.
-  std::vector<std::uint16_t> to_ports;  ///< Of datagrams, in the order of their first.
-  bool truncated = false;               ///< The file ends in the middle of a unit.
+  std::uint64_t went_back = 0;                 ///< Instants before that of the unit in front.
+  Duration length{0};                          ///< From its first unit to its last.
+  std::vector<std::uint16_t> to_ports;         ///< Of datagrams, in the order of their first.
+  bool truncated = false;                      ///< The file ends in the middle of a unit.
+  std::map<std::string, std::uint64_t> notes;  ///< As ReplayReader::notes().
 };
+
+/// "2 error frames, 1 CAN FD frame", as people read it; empty without notes.
+[[nodiscard]] std::string text_of_notes(const std::map<std::string, std::uint64_t>& notes);
 
 class ReplaySource {
  public:

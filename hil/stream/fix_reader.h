@@ -14,7 +14,7 @@
 #include <optional>
 #include <span>
 
-#include "hil/stream/receiver_messages.h"
+#include "protocols/gnss_stream/splitter.h"
 #include "sim/local_frame.h"
 
 namespace rigwire::hil {
@@ -32,7 +32,7 @@ class FixReader {
   void take(std::span<const std::uint8_t> bytes, const Use& use);
 
  private:
-  ReceiverMessages messages_;
+  protocols::gnss_stream::Splitter messages_;
   std::optional<std::array<double, 3>> told_sigma_m_;  ///< By GST, for the next GGA.
 };
 

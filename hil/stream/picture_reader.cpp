@@ -76,8 +76,12 @@ void PictureReader::begin(SimTime at, const gige::StreamPacket& packet) {
     if (!leader.ok()) {
       return;
     }
-    const auto part =
-        std::ranges::find(leader->parts, gige::DataType::image_2d, &gige::PartLeader::type);
+    // An image before a map of disparities or distances, whatever the client takes.
+    auto part = std::ranges::find(leader->parts, gige::DataType::image_2d, &gige::PartLeader::type);
+    if (part == leader->parts.end()) {
+      part = std::ranges::find_if(
+          leader->parts, [](const gige::PartLeader& each) { return depth_of(each.format) != 0; });
+    }
     if (part == leader->parts.end()) {
       return;
     }
@@ -154,12 +158,26 @@ bool PictureReader::make_small() {
   const unsigned depth = depth_of(part_.format);
   const std::size_t sample = depth > 8 ? 2 : 1;
   const std::size_t line = line_bytes(part_);
-  // The highest eight bits; more than eight lie in two bytes, the low one first.
-  const auto at = [&](std::uint32_t x, std::uint32_t y, std::size_t band, std::size_t bands) {
+  // More than eight bits lie in two bytes, the low one first.
+  const auto value_at = [&](std::uint32_t x, std::uint32_t y, std::size_t band, std::size_t bands) {
     const std::size_t place = y * line + (x * bands + band) * sample;
-    const unsigned value =
-        sample == 1 ? bytes_[place] : bytes_[place] | unsigned{bytes_[place + 1]} << 8U;
-    return static_cast<std::uint8_t>(value >> (depth - 8));
+    return sample == 1 ? unsigned{bytes_[place]}
+                       : bytes_[place] | unsigned{bytes_[place + 1]} << 8U;
+  };
+  // The highest eight bits of brightness; disparities and distances by the largest one, since they
+  // fill a small part of their range.
+  const bool is_range = part_.format == Code::coord3d_c16;
+  unsigned largest = 1;
+  if (is_range) {
+    for (std::uint32_t y = 0; y < rows; ++y) {
+      for (std::uint32_t x = 0; x < columns; ++x) {
+        largest = std::max(largest, value_at(x, y, 0, 1));
+      }
+    }
+  }
+  const auto at = [&](std::uint32_t x, std::uint32_t y, std::size_t band, std::size_t bands) {
+    const unsigned value = value_at(x, y, band, bands);
+    return static_cast<std::uint8_t>(is_range ? value * 255U / largest : value >> (depth - 8));
   };
   small_.sent_width = part_.width;
   small_.sent_height = part_.height;

@@ -15,12 +15,12 @@
 #include "hil/stream/fix_reader.h"
 #include "hil/stream/identifier_counts.h"
 #include "hil/stream/picture_reader.h"
-#include "hil/stream/receiver_messages.h"
 #include "hil/stream/sky_reader.h"
 #include "hil/stream/wire_reading.h"
 #include "protocols/can/frame_text.h"
 #include "protocols/foxglove/cdr_messages.h"
 #include "protocols/gige_vision/gvcp.h"
+#include "protocols/gnss_stream/splitter.h"
 
 namespace rigwire::hil {
 namespace {
@@ -307,8 +307,8 @@ class RunStream::Wire final : public WireTap {
   std::optional<Viewers::ChannelId> account_;
   std::optional<LidarClouds> clouds_;
   std::vector<protocols::can::OwnedMessage> can_messages_;
-  ReceiverMessages of_receiver_;  ///< To be shown.
-  ReceiverMessages of_client_;
+  protocols::gnss_stream::Splitter of_receiver_;  ///< To be shown.
+  protocols::gnss_stream::Splitter of_client_;
   FixReader fix_reader_;
   SkyReader sky_reader_;
   std::optional<PictureReader> picture_reader_;

@@ -100,31 +100,52 @@ void SkyReader::take_view(std::string_view talker, const nmea::Gsv& view, const 
     return;  // so that the table stays as long as it is
   }
   viewed_since_used_ = true;
-  auto& of = talkers_[std::string(talker)];
-  if (view.page == 1 || of.coming.size() > kMostInView) {
-    of.coming.clear();
+  Group& group = groups_[{std::string(talker), view.signal.value_or(0)}];
+  if (view.page == 1 || group.incomplete.size() > kMostInView) {
+    group.incomplete.clear();
   }
   const auto page = std::span(view.satellites).first(view.satellite_count);
-  of.coming.insert(of.coming.end(), page.begin(), page.end());
+  group.incomplete.insert(group.incomplete.end(), page.begin(), page.end());
   if (view.page != view.pages) {
     return;
   }
-  of.told = std::move(of.coming);
-  of.coming.clear();
-  std::vector<SkySatellite> sky;
-  for (const auto& [name, all] : talkers_) {
-    const SystemRow& row = *row_of(name);
-    for (const nmea::GsvSatellite& one : all.told) {
-      if (one.number != 0 && one.elevation_deg && one.azimuth_deg) {
-        const bool augments = name == kSystems.front().talker && one.number > kLastGps;
-        sky.push_back(
-            {std::string(augments ? kSystems[1].name : row.name) + " " + std::to_string(one.number),
-             *one.azimuth_deg, *one.elevation_deg, one.cn0_dbhz.value_or(0),
-             used_.contains({row.nmea, one.number}) || used_.contains({0, one.number})});
+  // A group that comes again begins a round. Groups that the last round lacked exist no more.
+  if (group.round == round_) {
+    std::erase_if(groups_, [this](const auto& entry) {
+      return entry.second.round < round_ && entry.second.incomplete.empty();
+    });
+    ++round_;
+  }
+  group.round = round_;
+  group.complete = std::move(group.incomplete);
+  group.incomplete.clear();
+  use("GSV", sky());
+}
+
+std::vector<SkySatellite> SkyReader::sky() const {
+  std::map<std::pair<const SystemRow*, int>, SkySatellite> satellites;
+  for (const auto& [key, group] : groups_) {
+    const SystemRow& talker = *row_of(key.first);
+    for (const nmea::GsvSatellite& one : group.complete) {
+      if (one.number == 0 || !one.elevation_deg || !one.azimuth_deg) {
+        continue;
       }
+      const bool augments = &talker == &kSystems.front() && one.number > kLastGps;
+      const SystemRow& system = augments ? kSystems[1] : talker;
+      // A satellite stands in the group of each of its signals: the strongest counts.
+      SkySatellite& satellite = satellites[{&system, one.number}];
+      satellite.name = std::string(system.name) + " " + std::to_string(one.number);
+      satellite.azimuth_deg = *one.azimuth_deg;
+      satellite.elevation_deg = *one.elevation_deg;
+      satellite.cn0_dbhz = std::max(satellite.cn0_dbhz, one.cn0_dbhz.value_or(0));
+      satellite.used = used_.contains({talker.nmea, one.number}) || used_.contains({0, one.number});
     }
   }
-  use("GSV", sky);
+  std::vector<SkySatellite> sky;
+  for (auto& [key, satellite] : satellites) {
+    sky.push_back(std::move(satellite));
+  }
+  return sky;
 }
 
 }  // namespace rigwire::hil

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "hil/stream/receiver_messages.h"
+#include "protocols/gnss_stream/splitter.h"
 #include "protocols/nmea/readers.h"
 
 namespace rigwire::hil {
@@ -29,7 +29,7 @@ class SkyReader {
  public:
   using Use = std::function<void(std::string_view message, std::span<const SkySatellite> sky)>;
   /// The next piece of the stream. The whole sky is told with each NAV-SAT, and with the last GSV
-  /// of each talker. Satellites of which no direction is known are left out.
+  /// of each group of GSV. Satellites of which no direction is known are left out.
   void take(std::span<const std::uint8_t> bytes, const Use& use);
 
  private:
@@ -37,14 +37,21 @@ class SkyReader {
   void take(const protocols::nmea::SentenceView& sentence, const Use& use);
   void take_view(std::string_view talker, const protocols::nmea::Gsv& view, const Use& use);
   void take_used(std::string_view talker, const protocols::nmea::Gsa& used);
+  /// Returns the satellites of all groups, each once.
+  [[nodiscard]] std::vector<SkySatellite> sky() const;
 
-  struct Talker {
-    std::vector<protocols::nmea::GsvSatellite> coming;  ///< Pages that have come.
-    std::vector<protocols::nmea::GsvSatellite> told;
+  /// Satellites of one talker and one signal. A receiver that speaks NMEA 4.10 or later sends a
+  /// group for each signal, and one with signal 0 for the satellites that it does not receive.
+  struct Group {
+    std::vector<protocols::nmea::GsvSatellite> incomplete;  ///< Pages received so far.
+    std::vector<protocols::nmea::GsvSatellite> complete;
+    int round = 0;  ///< In which it was completed.
   };
 
-  ReceiverMessages messages_;
-  std::map<std::string, Talker, std::less<>> talkers_;
+  protocols::gnss_stream::Splitter messages_;
+  /// By talker, and signal: 0 where the sentences do not name it.
+  std::map<std::pair<std::string, int>, Group> groups_;
+  int round_ = 0;  ///< The receiver sends each group once a round.
   /// System, 0 where the sentences do not tell it, and number.
   std::set<std::pair<int, int>> used_;
   bool viewed_since_used_ = true;  ///< The next GSA begins an epoch.

@@ -18,6 +18,14 @@ std::optional<std::uint32_t> hexadecimal(std::string_view text) {
   return value;
 }
 
+/// A length code above eight that a classic frame of eight bytes had on the wire: "_9" to "_F". A
+/// frame keeps the eight.
+std::string_view without_raw_code(std::string_view text) {
+  const bool has = text.size() >= 2 && text[text.size() - 2] == '_';
+  const auto code = has ? hexadecimal(text.substr(text.size() - 1)) : std::nullopt;
+  return code && *code > 8 ? text.substr(0, text.size() - 2) : text;
+}
+
 bool parse_remote(std::string_view length, Frame& frame) {
   frame.remote = true;
   if (length.size() > 1 || (length.size() == 1 && (length[0] < '0' || length[0] > '8'))) {
@@ -64,7 +72,9 @@ std::optional<Frame> parse_frame_text(std::string_view text) {
   frame.id = *id;
   const std::string_view rest = text.substr(mark + 1);
   const bool remote = !rest.empty() && (rest.front() == 'R' || rest.front() == 'r');
-  if (!(remote ? parse_remote(rest.substr(1), frame) : parse_data(rest, frame))) {
+  const std::string_view plain = without_raw_code(rest);
+  if (!(remote ? parse_remote(plain.substr(1), frame) : parse_data(plain, frame)) ||
+      (plain.size() != rest.size() && frame.length != 8)) {
     return std::nullopt;
   }
   return frame;

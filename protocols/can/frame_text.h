@@ -2,7 +2,8 @@
 //
 // Source: can-utils, lib.c, parse_canframe. Three hexadecimal digits are an 11-bit identifier,
 // eight a 29-bit one; after # stand 0..8 bytes, dots between them allowed, or R and the length of a
-// remote frame. CAN FD (##) is not taken.
+// remote frame. Behind eight bytes may stand the length code that was on the wire, "_9" to "_F",
+// which a frame does not keep. CAN FD (##) is not taken.
 #pragma once
 
 #include <optional>

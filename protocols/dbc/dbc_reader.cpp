@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -30,6 +31,7 @@ struct Token {
   std::string_view text;  ///< Of a string without its quotation marks.
   int line = 1;
   int column = 1;
+  bool first_on_line = false;
 };
 
 bool begins_word(char c) {
@@ -48,6 +50,7 @@ class Lexer {
     Token token;
     token.line = line_;
     token.column = static_cast<int>(at_ - line_start_) + 1;
+    token.first_on_line = std::exchange(last_line_, line_) != line_;
     if (at_ == text_.size()) {
       return token;
     }
@@ -72,13 +75,26 @@ class Lexer {
   }
 
  private:
+  /// Space and comments, "//" to the end of the line and "/*" to "*/".
   void skip_space() {
-    while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) <= ' ') {
-      if (text_[at_] == '\n') {
-        ++line_;
-        line_start_ = at_ + 1;
+    while (at_ < text_.size()) {
+      const std::string_view rest = text_.substr(at_);
+      std::size_t length = static_cast<unsigned char>(rest[0]) <= ' ' ? 1 : 0;
+      if (rest.starts_with("//")) {
+        length = std::min(rest.find('\n'), rest.size());
+      } else if (rest.starts_with("/*")) {
+        const std::size_t end = rest.find("*/", 2);
+        length = end == std::string_view::npos ? rest.size() : end + 2;
       }
-      ++at_;
+      if (length == 0) {
+        return;
+      }
+      for (const std::size_t stop = at_ + length; at_ < stop; ++at_) {
+        if (text_[at_] == '\n') {
+          ++line_;
+          line_start_ = at_ + 1;
+        }
+      }
     }
   }
 
@@ -121,6 +137,7 @@ class Lexer {
   std::size_t at_ = 0;
   std::size_t line_start_ = 0;
   int line_ = 1;
+  int last_line_ = 0;  ///< Of the token before.
 };
 
 /// Of a string's bytes: UTF-8 as it is, else every byte a character of ISO 8859-1.
@@ -151,6 +168,11 @@ std::string utf8(std::string_view bytes) {
     }
   }
   return text;
+}
+
+bool says_one_of(std::string_view text, std::span<const std::string_view> words) {
+  return std::ranges::any_of(
+      words, [text](std::string_view word) { return text.find(word) != std::string_view::npos; });
 }
 
 /// An attribute's definition, or a value of it.
@@ -284,9 +306,11 @@ class Parser {
   }
   std::uint32_t identifier() { return static_cast<std::uint32_t>(whole(0xFFFFFFFFU)); }
 
-  /// To the next statement, past the semicolon of this one.
+  /// To the next statement, past the semicolon of this one where it has one. Keywords of statements
+  /// stand within some, but not at the begin of a line; `open`: not in this one.
   void skip(bool open) {
-    while (token_.kind != Token::Kind::end && !at_mark(';') && !(open && is_statement(token_))) {
+    while (token_.kind != Token::Kind::end && !at_mark(';') &&
+           !(is_statement(token_) && (open || token_.first_on_line))) {
       take();
     }
     if (at_mark(';')) {
@@ -478,7 +502,7 @@ class Parser {
   void senders() {
     FileMessage* const message = find(identifier());
     expect(':');
-    while (token_.kind == Token::Kind::word) {
+    while (token_.kind == Token::Kind::word && !is_statement(token_)) {
       const std::string node(take().text);
       if (message != nullptr && node != kNobody &&
           std::ranges::find(message->senders, node) == message->senders.end()) {
@@ -488,7 +512,7 @@ class Parser {
         take();
       }
     }
-    expect(';');
+    end_of_statement();
   }
 
   void comment() {
@@ -554,18 +578,23 @@ class Parser {
       given_[{name, owner}] = attribute_value();
       end_of_statement();
     } else {
-      skip(false);
+      if (token_.kind == Token::Kind::word) {
+        take();  // BU_ or EV_, and its name
+        (void)word("the name of a node or an environment variable");
+      }
+      (void)attribute_value();  // of it, or of the network
+      end_of_statement();
     }
   }
 
   void values() {
-    if (token_.kind != Token::Kind::number) {
-      skip(false);  // of an environment variable
-      return;
+    can::OwnedSignal* signal = nullptr;
+    if (token_.kind == Token::Kind::number) {
+      const std::uint32_t id = identifier();
+      signal = find_signal(id, word("the signal's name"));
+    } else {
+      (void)word("a message's identifier, or the name of an environment variable");
     }
-    const std::uint32_t id = identifier();
-    const std::string name = word("the signal's name");
-    can::OwnedSignal* const signal = find_signal(id, name);
     while (token_.kind == Token::Kind::number) {
       const double raw = number();
       const std::string text = string();
@@ -575,7 +604,7 @@ class Parser {
             {static_cast<std::int64_t>(std::clamp(raw, -kFarthest, kFarthest)), text});
       }
     }
-    expect(';');
+    end_of_statement();
   }
 
   can::OwnedSignal* find_signal(std::uint32_t id, std::string_view name) {
@@ -598,7 +627,7 @@ class Parser {
     if (can::OwnedSignal* const signal = find_signal(id, name); signal != nullptr) {
       signal->is_float = type == 1 || type == 2;
     }
-    expect(';');
+    end_of_statement();
   }
 
   void extended_multiplexing() {
@@ -618,7 +647,7 @@ class Parser {
       signal->present_at = ranges;
       named_multiplexors_[Owner{id, name}] = multiplexor;
     }
-    expect(';');
+    end_of_statement();
   }
 
   /// The attribute of that owner, by its name in an enumeration; nothing where neither it nor a
@@ -755,6 +784,27 @@ bool share_bits(const can::Coding& a, const can::Coding& b, std::size_t bytes) {
 }
 
 }  // namespace
+
+SendType send_type(std::string_view word) {
+  // Parts of the words of Vector ("cyclicIfActive", "spontanX", "OnWriteWithRepetition"), Ford
+  // ("FixedPeriodic", "EventPeriodic"), GM and others; "acyclic" and "aperiodic" are their
+  // opposites.
+  constexpr std::array<std::string_view, 4> kByTime{"cyclic", "cycle", "periodic", "fixed"};
+  constexpr std::array<std::string_view, 5> kNotByTime{"acyclic", "aperiodic", "noncyclic",
+                                                       "non-cyclic", "nonperiodic"};
+  constexpr std::array<std::string_view, 5> kOnChange{"change", "spontan", "event", "write",
+                                                      "trigger"};
+  constexpr std::array<std::string_view, 3> kOnRequest{"request", "poll", "query"};
+  std::string text;
+  for (const char c : word) {
+    text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  SendType type;
+  type.by_time = says_one_of(text, kByTime) && !says_one_of(text, kNotByTime);
+  type.on_change = says_one_of(text, kOnChange) || says_one_of(text, kNotByTime);
+  type.on_request = says_one_of(text, kOnRequest);
+  return type;
+}
 
 const FileMessage* FileContent::find(std::string_view message) const {
   const auto found = std::ranges::find_if(

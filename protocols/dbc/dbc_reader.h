@@ -13,8 +13,9 @@
 //   VFrameFormat          "J1939PG": the identifier is priority, parameter group and source
 //   SPN, SystemSignalLongSymbol, SystemMessageLongSymbol
 //
-// Everything else of the format is passed over. Text that is not UTF-8 is taken as ISO 8859-1,
-// which is what the common tools write.
+// Everything else of the format is passed over. Comments of programs ("//", "/* */") are taken as
+// space, and a missing semicolon is forgiven where the next statement begins. Text that is not
+// UTF-8 is taken as ISO 8859-1, which is what the common tools write.
 #pragma once
 
 #include <cstdint>
@@ -70,6 +71,15 @@ struct Reading {
 
 /// Never throws but for want of memory. After a finding it goes on with the next statement.
 [[nodiscard]] Reading read(std::string_view text);
+
+/// How a message is sent; nothing set: by its cycle time where it has one.
+struct SendType {
+  bool by_time = false;
+  bool on_change = false;  ///< Or when its event occurs.
+  bool on_request = false;
+};
+/// Returns the meaning of a name of GenMsgSendType, of any maker's, in any case of letters.
+[[nodiscard]] SendType send_type(std::string_view word);
 
 /// What keeps a message from being sent and taken with these of its signals and its multiplexor:
 /// more bytes than its kind of frame has, signals outside it, wider than a number, of one name, on

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::uint32_t kSectionBlock = 0x0A0D0D0A;
 constexpr std::uint32_t kInterfaceBlock = 1;
+constexpr std::uint32_t kOldPacketBlock = 2;
 constexpr std::uint32_t kStatisticsBlock = 5;
 constexpr std::uint32_t kPacketBlock = 6;
 constexpr std::uint32_t kByteOrderMagic = 0x1A2B3C4D;
@@ -19,6 +20,7 @@ constexpr std::uint16_t kComment = 1;
 constexpr std::uint16_t kInterfaceName = 2;
 constexpr std::uint16_t kInterfaceDescription = 3;
 constexpr std::uint16_t kInterfaceResolution = 9;
+constexpr std::uint16_t kInterfaceOffset = 14;
 constexpr std::uint16_t kPacketFlags = 2;
 constexpr std::uint16_t kPacketLost = 4;
 constexpr std::uint16_t kSectionApplication = 4;
@@ -164,15 +166,29 @@ constexpr Malformed kCutOption{"an option that is longer than its block", 0};
 constexpr std::uint8_t kUsualResolution = 6;
 constexpr std::uint8_t kFinestResolution = 18;
 
-/// A time that counts 10^-resolution s, in nanoseconds.
-std::uint64_t nanoseconds(std::uint64_t time, std::uint8_t resolution) {
+/// From here on a resolution is a power of two.
+constexpr std::uint8_t kBinary = 0x80;
+constexpr std::uint8_t kFinestBinary = kBinary + 60;
+
+/// A time as the interface counts it, in nanoseconds.
+std::uint64_t nanoseconds(std::uint64_t time, const Interface& interface) {
+  constexpr std::uint64_t kSecond_ns = 1'000'000'000;
+  std::uint8_t resolution = interface.resolution;
+  if (resolution >= kBinary) {
+    const unsigned bits = resolution - kBinary;
+    const std::uint64_t whole = bits == 0 ? time : time >> bits;
+    const std::uint64_t rest = time - (whole << bits);
+    // The rest has `bits` bits: as many as fit beside the nanoseconds are enough for one of them.
+    const unsigned kept = bits > 30 ? 30 : bits;
+    time = whole * kSecond_ns + ((rest >> (bits - kept)) * kSecond_ns >> kept);
+  }
   for (; resolution < 9; ++resolution) {
     time *= 10;
   }
-  for (; resolution > 9; --resolution) {
+  for (; resolution > 9 && resolution < kBinary; --resolution) {
     time /= 10;
   }
-  return time;
+  return time + static_cast<std::uint64_t>(interface.offset_s) * kSecond_ns;
 }
 
 }  // namespace
@@ -282,23 +298,32 @@ Decoded<Block> Reader::next(std::span<const std::uint8_t> bytes) {
               interface.description = value.text();
             } else if (code == kInterfaceResolution && !value.bytes().empty()) {
               interface.resolution = value.bytes().front();
+            } else if (code == kInterfaceOffset && value.bytes().size() == 8) {
+              interface.offset_s =
+                  static_cast<std::int64_t>(value.template number<std::uint64_t>(0));
             }
           })) {
         return kCutOption;
       }
-      if (interface.resolution > kFinestResolution) {
-        return Malformed{"times that do not count a power of ten, at most 10^18, in a second", 8};
+      if (interface.resolution < kBinary ? interface.resolution > kFinestResolution
+                                         : interface.resolution > kFinestBinary) {
+        return Malformed{"times that count more than 10^18 or 2^60 in a second", 8};
       }
       interface.link = static_cast<LinkType>(body.number<std::uint16_t>(0));
       interfaces_.push_back(interface);
       return {Block(std::move(interface)), length};
     }
+    case kOldPacketBlock:
     case kPacketBlock: {
       if (!has(kPacketBody)) {
         return Malformed{"a packet without its head", 8};
       }
       Packet packet;
-      packet.interface = body.number<std::uint32_t>(0);
+      packet.interface =
+          type == kPacketBlock ? body.number<std::uint32_t>(0) : body.number<std::uint16_t>(0);
+      if (type == kOldPacketBlock && body.number<std::uint16_t>(2) != 0xFFFFU) {
+        packet.lost_before = body.number<std::uint16_t>(2);
+      }
       const std::size_t captured = body.number<std::uint32_t>(12);
       packet.original_length = body.number<std::uint32_t>(16);
       if (packet.interface >= interfaces_.size()) {
@@ -307,7 +332,7 @@ Decoded<Block> Reader::next(std::span<const std::uint8_t> bytes) {
       if (captured > size - kPacketBody || padded(captured) > size - kPacketBody) {
         return Malformed{"a packet that is longer than its block", 8 + 12};
       }
-      packet.time_ns = nanoseconds(body.time(4), interfaces_[packet.interface].resolution);
+      packet.time_ns = nanoseconds(body.time(4), interfaces_[packet.interface]);
       packet.bytes = body.bytes().subspan(kPacketBody, captured);
       if (!body.each_option(kPacketBody + padded(captured), [&](auto code, const View& value) {
             if (code == kComment) {
@@ -340,7 +365,7 @@ Decoded<Block> Reader::next(std::span<const std::uint8_t> bytes) {
       if (statistics.interface >= interfaces_.size()) {
         return Malformed{"statistics of an interface that is not described", 8};
       }
-      statistics.time_ns = nanoseconds(body.time(4), interfaces_[statistics.interface].resolution);
+      statistics.time_ns = nanoseconds(body.time(4), interfaces_[statistics.interface]);
       return {Block(statistics), length};
     }
     default:

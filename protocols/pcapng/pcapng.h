@@ -6,13 +6,15 @@
 //
 //   block       type        what is written and read
 //   section     0x0A0D0D0A  byte order, version 1.0; options 1 comment, 4 application
-//   interface   0x00000001  link type; options 2 name, 3 description, 9 resolution
+//   interface   0x00000001  link type; options 2 name, 3 description, 9 resolution, 14 offset
+//   old packet  0x00000002  read as a packet; its number of packets lost
+//   simple      0x00000003  passed over: it has no time
 //   packet      0x00000006  interface, time, lengths, bytes; options 1 comment, 2 direction,
 //                           4 packets lost before it
 //   statistics  0x00000005  interface, time; options 4 received, 5 lost
 //
-// Written is little-endian, with times in nanoseconds; both byte orders and every decimal
-// resolution are read. Times count from 1970 without leap seconds, as computers do.
+// Written is little-endian, with times in nanoseconds; both byte orders and every resolution, by
+// powers of ten and of two, are read. Times count from 1970 without leap seconds, as computers do.
 #pragma once
 
 #include <cstdint>
@@ -49,8 +51,10 @@ struct Interface {
   LinkType link = LinkType::ethernet;
   std::string name;
   std::string description;
-  /// Its times count 10^-resolution s in the file. Written is always 9.
+  /// Its times count 10^-resolution s in the file, or 2^-(resolution - 128) s from 128 on. Written
+  /// is always 9.
   std::uint8_t resolution = 9;
+  std::int64_t offset_s = 0;  ///< Added to its times. Written is always 0.
 };
 
 struct Packet {
@@ -79,6 +83,8 @@ void append(Bytes& out, const Interface& interface);
 void append(Bytes& out, const Packet& packet);
 void append(Bytes& out, const Statistics& statistics);
 
+/// The type of a block with a packet that has no time and no interface of its own.
+inline constexpr std::uint32_t kSimplePacketBlock = 3;
 /// A block of another kind: to be passed over.
 struct OtherBlock {
   std::uint32_t type = 0;

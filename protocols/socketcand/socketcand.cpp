@@ -26,6 +26,22 @@ std::optional<Number> number(std::string_view word, int base) {
                                                                   : std::nullopt;
 }
 
+/// A byte as the daemon's sscanf reads it with %hhx: a sign and 0x may stand in front, and of a
+/// number of up to 64 bits the lowest eight count. Clients print a byte as a signed number
+/// (SavvyCAN).
+std::optional<std::uint8_t> scanned_byte(std::string_view word) {
+  const bool negative = word.starts_with('-');
+  if (negative || word.starts_with('+')) {
+    word.remove_prefix(1);
+  }
+  if (word.size() > 2 && (word.starts_with("0x") || word.starts_with("0X"))) {
+    word.remove_prefix(2);
+  }
+  const auto value = number<std::uint64_t>(word, 16);
+  return value ? std::optional(static_cast<std::uint8_t>(negative ? 0U - *value : *value))
+               : std::nullopt;
+}
+
 Words words_of(std::string_view element) {
   Words words;
   std::size_t begin = 0;
@@ -52,7 +68,7 @@ bool read_identifier(std::string_view word, can::Frame& frame) {
 
 bool read_bytes(std::span<const std::string_view> words, std::span<std::uint8_t> bytes) {
   for (std::size_t i = 0; i < bytes.size(); ++i) {
-    const auto byte = number<std::uint8_t>(words[i], 16);
+    const auto byte = scanned_byte(words[i]);
     if (!byte) {
       return false;
     }

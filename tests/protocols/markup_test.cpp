@@ -11,5 +11,9 @@ TEST(Markup, NamesCannotEndTheirAttributeOrOpenAnElement) {
   EXPECT_EQ(escape_markup("M\xC3\xBC"), "M\xC3\xBC");
 }
 
+TEST(Markup, BytesThatAreNoTextAreSpelledOut) {
+  EXPECT_EQ(escape_markup("\xE9\x01 a\tb\n"), "\\xe9\\u0001 a\tb\n");
+}
+
 }  // namespace
 }  // namespace rigwire::protocols

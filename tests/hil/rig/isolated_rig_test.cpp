@@ -12,6 +12,8 @@
 #include "hil/command_line/config_files.h"
 #include "hil/configuration/outline.h"
 #include "private_wires.h"
+#include "protocols/pcapng/link_packet.h"
+#include "protocols/pcapng/pcapng.h"
 
 namespace rigwire::hil {
 namespace {
@@ -167,7 +169,20 @@ TEST_F(IsolatedRig, WhatADeviceSavesIsACopy) {
 
 TEST_F(IsolatedRig, WhereAReplayedFileCameFromIsNoPlaceOfTheRun) {
   const fs::path log = wires.folder / "a.pcap";
-  std::ofstream(log) << "not read here";
+  {
+    protocols::pcapng::Bytes bytes;
+    protocols::pcapng::append(bytes, protocols::pcapng::Section{});
+    protocols::pcapng::append(bytes, protocols::pcapng::Interface{});
+    protocols::pcapng::Bytes datagram;
+    const std::uint8_t byte = 0x5A;
+    protocols::pcapng::append_udp(datagram, {0xC0A801C9, 443}, {0x7F000001, 2368}, {&byte, 1});
+    protocols::pcapng::Packet packet;
+    packet.bytes = datagram;
+    protocols::pcapng::append(bytes, packet);
+    std::ofstream(log, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+  }
   const LoadedRig rig = load(
       "devices:\n"
       "  one: {type: replay, wire: udp, address: 127.0.0.1, port: 2368, source: {file: " +

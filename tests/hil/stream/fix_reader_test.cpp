@@ -73,10 +73,11 @@ TEST(FixReader, AReceiverWithoutFixTellsNone) {
 
 TEST(FixReader, AMessageThatNeverEndsIsForgotten) {
   const std::string body(kFix.substr(1, kFix.find('*') - 1));
-  EXPECT_EQ(
-      read("\xB5\x62" + std::string(3 * ReceiverMessages::kMostKept, '\xFF') + sentence(body), 64)
-          .size(),
-      1U);
+  EXPECT_EQ(read("\xB5\x62" + std::string(3 * protocols::gnss_stream::Splitter::kMostKept, '\xFF') +
+                     sentence(body),
+                 64)
+                .size(),
+            1U);
 }
 
 }  // namespace

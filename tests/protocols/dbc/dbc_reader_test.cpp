@@ -162,6 +162,68 @@ BO_ 1666 Right: 8 RADAR
   EXPECT_EQ(reading.content.messages[1].period_ms, 20);
 }
 
+TEST(DbcReader, CommentsOfProgramsAreSpaceAndNoStatementNeedsItsSemicolon) {
+  const Reading reading = read(R"(// Pump, second edition.
+VERSION "" // none
+BS_:
+BU_: PUMP ECU // two nodes
+/* several
+   lines */
+BO_ 257 Alarms: 8 PUMP
+ SG_ Alarm : 0|8@1+ (1,0) [0|255] "//" ECU /* of the pump */
+ SG_ Mode : 8|8@1+ (1,0) [0|3] "" ECU
+BO_TX_BU_ 257 : PUMP,ECU
+EV_ Lamp: 0 [0|1] "" 0 1 DUMMY_NODE_VECTOR0 ECU
+VAL_TABLE_ States 0 "Off" 1 "On"
+SIG_VALTYPE_ 257 Mode : 0
+BA_DEF_ BO_ "GenMsgCycleTime" INT 0 65535
+BA_DEF_DEF_ "GenMsgCycleTime" 50
+BA_ "BusType" "CAN"
+BA_ "NodeLayer" BU_ PUMP 1
+BA_ "GenMsgCycleTime" BO_ 257 100
+VAL_ Lamp 0 "Off"
+VAL_ 257 Mode 0 "Off" 1 "On"
+VAL_ 257 Alarm 0 "None")");
+  EXPECT_THAT(reading.findings, testing::IsEmpty())
+      << reading.findings.front().line << ": " << reading.findings.front().what;
+  ASSERT_EQ(reading.content.messages.size(), 1U);
+  const FileMessage& message = reading.content.messages.front();
+  EXPECT_EQ(message.period_ms, 100.0);
+  EXPECT_EQ(message.senders, (std::vector<std::string>{"PUMP", "ECU"}));
+  ASSERT_EQ(message.layout.signals.size(), 2U);
+  EXPECT_EQ(message.layout.signals[0].unit, "//");
+  EXPECT_EQ(message.layout.signals[0].values.size(), 1U);
+  EXPECT_EQ(message.layout.signals[1].values.size(), 2U);
+}
+
+TEST(DbcReader, SendTypesOfAllMakersAreUnderstood) {
+  const auto flags = [](std::string_view word) {
+    const SendType type = send_type(word);
+    return std::string(type.by_time ? "t" : "") + (type.on_change ? "c" : "") +
+           (type.on_request ? "r" : "");
+  };
+  for (const auto& [word, meaning] :
+       std::vector<std::pair<std::string_view, std::string>>{{"Cyclic", "t"},
+                                                             {"cyclicX", "t"},
+                                                             {"cyclicIfActive", "t"},
+                                                             {"CyclicAndSpontanX", "tc"},
+                                                             {"spontanX", "c"},
+                                                             {"OnChange", "c"},
+                                                             {"OnWrite", "c"},
+                                                             {"FixedPeriodic", "t"},
+                                                             {"EnabledPeriodic", "t"},
+                                                             {"EventPeriodic", "tc"},
+                                                             {"Event", "c"},
+                                                             {"Periodic", "t"},
+                                                             {"Acyclic", "c"},
+                                                             {"on request", "r"},
+                                                             {"NoMsgSendType", ""},
+                                                             {"NotUsed", ""},
+                                                             {"", ""}}) {
+    EXPECT_EQ(flags(word), meaning) << word;
+  }
+}
+
 TEST(DbcReader, WhatIsWrongIsSaidWithItsPlace) {
   const std::array cases{
       Wrong{"", 1, "no DBC file"},

@@ -59,13 +59,25 @@ TEST(SocketcandCommands, EightDigitsAreAnIdentifierOf29Bits) {
   EXPECT_EQ(parse_command("< send 40000123 2 0 0 >").frame, (Frame{0x123, true, true, 2, {}}));
 }
 
+// SavvyCAN prints a byte as Qt does a signed char: of 64 bits, or with a minus sign.
+TEST(SocketcandCommands, BytesAreReadAsTheDaemonReadsThem) {
+  for (const char* text : {"< send 123 3 1 2 80 >", "< send 123 3 1 2 ffffffffffffff80 >",
+                           "< send 123 3 01 2 ffffff80 >", "< send 123 3 1 2 -80 >",
+                           "< send 123 3 0x1 +2 0X80 >", "< send 123 3 1 102 80 >"}) {
+    EXPECT_EQ(parse_command(text).frame, (Frame{0x123, false, false, 3, {0x01, 0x02, 0x80}}))
+        << text;
+  }
+}
+
 TEST(SocketcandCommands, WhatMakesNoSenseIsMalformed) {
   for (const std::string text : {"< send >",
                                  "< send 123 >",
                                  "< send 123 9 1 2 3 4 5 6 7 8 9 >",
                                  "< send 123 2 1 >",
                                  "< send 123 1 1 2 >",
-                                 "< send 123 1 100 >",
+                                 "< send 123 1 1g >",
+                                 "< send 123 1 - >",
+                                 "< send 123 1 1ffffffffffffff80 >",
                                  "< send 1234567890 0 >",
                                  "< send xyz 0 >",
                                  "< send 20000004 0 >",

@@ -10,24 +10,27 @@
 #include <vector>
 
 #include "protocols/nmea/sentence.h"
+#include "protocols/rtcm3/frame.h"
 #include "protocols/ubx/frame.h"
 
-namespace rigwire::hil {
+namespace rigwire::protocols::gnss_stream {
 
-class ReceiverMessages {
+class Splitter {
  public:
   /// Most bytes that are kept of a message that is not whole yet.
-  static constexpr std::size_t kMostKept = 4096;
+  static constexpr std::size_t kMostKept = 8192;
 
-  /// std::monostate: an RTCM 3 message, or bytes that are of no message.
+  /// std::monostate: bytes that are of no message.
   using Content =
-      std::variant<std::monostate, protocols::ubx::FrameView, protocols::nmea::SentenceView>;
+      std::variant<std::monostate, ubx::FrameView, nmea::SentenceView, rtcm3::FrameView>;
   using Use = std::function<void(std::span<const std::uint8_t> bytes, const Content& content)>;
   /// The next piece of one direction; what is given holds during the call.
   void take(std::span<const std::uint8_t> bytes, const Use& use);
+  /// Hands out what is kept, at the end of a stream: the beginning of a message without its end.
+  void flush(const Use& use);
 
  private:
   std::vector<std::uint8_t> kept_;
 };
 
-}  // namespace rigwire::hil
+}  // namespace rigwire::protocols::gnss_stream

@@ -1,8 +1,9 @@
-#include "hil/configuration/plain_text.h"
+#include "protocols/plain_text.h"
 
-#include <fmt/format.h>
+#include <array>
+#include <cstdio>
 
-namespace rigwire::hil {
+namespace rigwire::protocols {
 namespace {
 
 bool is_control(char32_t code) {
@@ -17,6 +18,12 @@ bool is_layout(char32_t code) {
 bool steers_direction(char32_t code) {
   return code == 0x061C || code == 0x200E || code == 0x200F || (code >= 0x2028 && code <= 0x202E) ||
          (code >= 0x2066 && code <= 0x2069);
+}
+
+std::string code_text(const char* format, char32_t code) {
+  std::array<char, 24> text{};
+  std::snprintf(text.data(), text.size(), format, static_cast<unsigned>(code));
+  return text.data();
 }
 
 }  // namespace
@@ -51,12 +58,10 @@ std::optional<TextFault> find_fault(std::string_view text, TextShape shape) {
   for (std::size_t at = 0; at < text.size();) {
     const Character next = first_character(text.substr(at));
     if (!next.valid) {
-      return TextFault{at, "not UTF-8",
-                       fmt::format("byte 0x{:02X}", static_cast<unsigned>(next.code))};
+      return TextFault{at, "not UTF-8", code_text("byte 0x%02X", next.code)};
     }
     if (is_control(next.code) && (shape == TextShape::one_line || !is_layout(next.code))) {
-      return TextFault{at, "a control character",
-                       fmt::format("U+{:04X}", static_cast<unsigned>(next.code))};
+      return TextFault{at, "a control character", code_text("U+%04X", next.code)};
     }
     at += next.bytes;
   }
@@ -72,9 +77,9 @@ std::string printable(std::string_view text, std::string_view kept) {
     if (kept.find(bytes.front()) != std::string_view::npos && next.bytes == 1) {
       shown += bytes;
     } else if (!next.valid) {
-      shown += fmt::format("\\x{:02x}", static_cast<unsigned>(next.code));
+      shown += code_text("\\x%02x", next.code);
     } else if (is_control(next.code) || steers_direction(next.code)) {
-      shown += fmt::format("\\u{:04x}", static_cast<unsigned>(next.code));
+      shown += code_text("\\u%04x", next.code);
     } else {
       shown += bytes;
     }
@@ -83,4 +88,4 @@ std::string printable(std::string_view text, std::string_view kept) {
   return shown;
 }
 
-}  // namespace rigwire::hil
+}  // namespace rigwire::protocols

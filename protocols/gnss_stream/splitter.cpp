@@ -1,21 +1,15 @@
-#include "hil/stream/receiver_messages.h"
+#include "protocols/gnss_stream/splitter.h"
 
 #include <utility>
 
-#include "protocols/rtcm3/frame.h"
-
-namespace rigwire::hil {
+namespace rigwire::protocols::gnss_stream {
 namespace {
-
-namespace nmea = protocols::nmea;
-namespace rtcm3 = protocols::rtcm3;
-namespace ubx = protocols::ubx;
 
 constexpr std::uint8_t kNmeaStart = '$';
 
 }  // namespace
 
-void ReceiverMessages::take(std::span<const std::uint8_t> bytes, const Use& use) {
+void Splitter::take(std::span<const std::uint8_t> bytes, const Use& use) {
   kept_.insert(kept_.end(), bytes.begin(), bytes.end());
   const auto all = std::span(std::as_const(kept_));
   std::size_t at = 0;
@@ -50,7 +44,7 @@ void ReceiverMessages::take(std::span<const std::uint8_t> bytes, const Use& use)
       const auto frame = rtcm3::decode_frame(rest);
       more_needed = frame.incomplete();
       if (frame.ok()) {
-        found(frame.consumed(), {});
+        found(frame.consumed(), *frame);
         continue;
       }
     }
@@ -67,4 +61,13 @@ void ReceiverMessages::take(std::span<const std::uint8_t> bytes, const Use& use)
   kept_.erase(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-}  // namespace rigwire::hil
+void Splitter::flush(const Use& use) {
+  // What follows a beginning without an end can hold whole messages.
+  while (!kept_.empty()) {
+    const std::vector<std::uint8_t> kept = std::exchange(kept_, {});
+    use(std::span(kept).first(1), {});
+    take(std::span(kept).subspan(1), use);
+  }
+}
+
+}  // namespace rigwire::protocols::gnss_stream

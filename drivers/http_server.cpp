@@ -207,6 +207,8 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
         buffer_(server_->settings.header_bytes + kSlack) {}
 
   [[nodiscard]] std::chrono::steady_clock::time_point heard() const { return heard_; }
+  /// Whether its request is at the handler.
+  [[nodiscard]] bool waits_for_answer() const { return asked_; }
 
   void read_header() {
     parser_.emplace();
@@ -279,10 +281,15 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
                             header(http::field::origin),
                             header(http::field::authorization),
                             header(http::field::sec_websocket_protocol)};
+    if (request.count(http::field::host) > 1) {  // RFC 9112, 3.2
+      write({400, "text/plain", "more than one Host\n", {}, true}, request.version(), false, false);
+      return;
+    }
     if (server_->web_socket_handler && beast::websocket::is_upgrade(request)) {
       upgrade(std::move(request), asked);
       return;
     }
+    asked_ = true;
     server_->handler(
         asked,
         [self = weak_from_this(), version = request.version(), keep_alive = request.keep_alive(),
@@ -310,6 +317,7 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   }
 
   void write(const HttpResponse& response, unsigned version, bool keep_alive, bool head) {
+    asked_ = false;
     response_ = http::response<http::string_body>();
     response_.result(static_cast<unsigned>(response.status));
     response_.version(version);
@@ -365,6 +373,7 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   http::response<http::string_body> continue_;
   http::response<http::string_body> response_;
   std::array<char, 4096> drained_{};
+  bool asked_ = false;
   std::chrono::steady_clock::time_point heard_ = std::chrono::steady_clock::now();
   bool refused_ = false;
   bool ended_ = false;
@@ -372,9 +381,13 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
 
 void HttpServer::State::admit_any(AnySocket socket) {
   if (sessions.size() >= settings.clients_max) {
-    const std::shared_ptr<Session> silent =
-        *std::ranges::min_element(sessions, {}, [](const auto& s) { return s->heard(); });
-    silent->end();
+    // Who waits for an answer keeps its place, however long it takes.
+    const auto silent = std::ranges::min_element(
+        sessions, {}, [](const auto& s) { return std::pair(s->waits_for_answer(), s->heard()); });
+    if ((*silent)->waits_for_answer()) {
+      return;  // the newcomer is closed
+    }
+    (*silent)->end();
   }
   sessions.push_back(std::make_shared<Session>(shared_from_this(), std::move(socket)));
   sessions.back()->read_header();

@@ -5,11 +5,12 @@
 // that come before their predecessor's answer wait in the system. A client that stops half-way
 // through a request, or does not read its answer, is closed after a while; nothing waits for it
 // meanwhile. When all places are taken, a newcomer gets the place of the client that has been
-// silent longest, as at TcpServer.
+// silent longest and does not wait for an answer; when all wait for one, the newcomer is closed.
 //
-// The server itself answers what is not a request: 400 for what is no HTTP, 413 for a body and 431
-// for a header beyond the limits; the connection ends then. "Expect: 100-continue" is obeyed: a
-// client that asks sends a body only when its length is within the limit.
+// The server itself answers what is not a request: 400 for what is no HTTP or has two Hosts, 413
+// for a body and 431 for a header beyond the limits; the connection ends then. "Expect:
+// 100-continue" is obeyed: a client that asks sends a body only when its length is within the
+// limit.
 //
 // A connection may become a WebSocket, where somebody is there for them (on_web_socket()).
 //

@@ -6,6 +6,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -18,8 +21,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kElsewhere =
-    "choose a path in a directory that this user can write, such as /tmp/rigwire";
+/// A folder that is this user's alone, for advice.
+std::string own_folder() {
+  const std::string user = std::to_string(::geteuid());
+  const std::string runtime = "/run/user/" + user;
+  return ::access(runtime.c_str(), W_OK) == 0 ? runtime + "/rigwire" : "/tmp/rigwire-" + user;
+}
+
+std::string elsewhere() {
+  return "choose a path in a directory that this user can write, such as " + own_folder();
+}
+
+/// What `path` is, and how a real line is reached.
+constexpr const char* kOwnTerminal =
+    "the program makes a pseudo-terminal and puts a link to it at this path; a real serial line is "
+    "joined to it by another program (socat PATH,raw,echo=0 /dev/ttyUSB0,raw,echo=0,b115200)";
 
 std::string link_error(int error) {
   return std::generic_category().message(error);
@@ -43,6 +59,70 @@ struct Obstacle {
   std::string mend;
 };
 
+/// The user who called sudo: what belongs to him is as good as root's own.
+uid_t user_behind_sudo() {
+  const char* const text = ::geteuid() == 0 ? std::getenv("SUDO_UID") : nullptr;
+  uid_t user = 0;
+  if (text != nullptr) {
+    std::from_chars(text, text + std::strlen(text), user);
+  }
+  return user;
+}
+
+bool is_trusted(uid_t user) {
+  return user == 0 || user == ::geteuid() || user == user_behind_sudo();
+}
+
+/// Whether users whom nobody named could put another file in a folder in the place of one there. In
+/// a folder with the sticky bit, as /tmp, names belong to their makers.
+bool others_replace_in(const struct stat& folder) {
+  const bool writable =
+      (folder.st_mode & S_IWOTH) != 0 ||
+      ((folder.st_mode & S_IWGRP) != 0 && folder.st_gid != ::getegid() && folder.st_gid != 0);
+  return writable && (folder.st_mode & S_ISVTX) == 0;
+}
+
+/// Returns who else could replace the link: the owner of a folder above it, or of a link on the way
+/// to it, or everybody where such a folder can be written.
+std::optional<Obstacle> stranger_above(const fs::path& link) {
+  constexpr const char* kThreat = ", who could put another terminal there";
+  const std::string mend =
+      "choose a path in a directory of this user's own, such as " + own_folder();
+  std::error_code error;
+  const fs::path named = fs::absolute(folder_of(link), error).lexically_normal();
+  const fs::path real = error ? named : fs::canonical(named, error);
+  if (error) {
+    return std::nullopt;  // what cannot be reached is refused elsewhere
+  }
+  for (const fs::path& way : {named, real}) {
+    fs::path folder;
+    for (const fs::path& part : way) {
+      folder /= part;
+      struct stat own {};
+      if (::lstat(folder.c_str(), &own) != 0) {
+        continue;
+      }
+      const std::string name =
+          (S_ISLNK(own.st_mode) ? "the link " : "the directory ") + folder.string();
+      if (!is_trusted(own.st_uid)) {
+        return Obstacle{name + " belongs to user " + std::to_string(own.st_uid) + kThreat, mend};
+      }
+      if (S_ISDIR(own.st_mode) && others_replace_in(own)) {
+        return Obstacle{name + " can be written by other users" + kThreat, mend};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+/// Devices have their places below /dev: a link there would pass for one.
+bool is_below_dev(const fs::path& link) {
+  std::error_code error;
+  fs::path folder = fs::weakly_canonical(folder_of(link), error);
+  const std::string text = (error ? folder_of(link) : folder).string() + "/";
+  return text.starts_with("/dev/") && !text.starts_with("/dev/shm/");
+}
+
 std::optional<Obstacle> obstacle_at(const fs::path& link) {
   struct stat own {};
   if (::lstat(link.c_str(), &own) != 0) {
@@ -51,6 +131,9 @@ std::optional<Obstacle> obstacle_at(const fs::path& link) {
     }
     return Obstacle{"cannot look at it: " + link_error(errno),
                     "choose a path that this user can reach"};
+  }
+  if (S_ISCHR(own.st_mode) || S_ISBLK(own.st_mode)) {
+    return Obstacle{"a device is there", "choose another path: " + std::string(kOwnTerminal)};
   }
   if (!S_ISLNK(own.st_mode)) {
     return Obstacle{S_ISDIR(own.st_mode) ? "a directory is there" : "a file is there",
@@ -111,6 +194,11 @@ bool same_file(const struct stat& a, const struct stat& b) {
 
 }  // namespace
 
+std::string danger_of_link(const fs::path& link) {
+  const auto stranger = stranger_above(link);
+  return stranger ? stranger->what : "";
+}
+
 void refuse_line(const fs::path& path, const std::string& what, const std::string& mend) {
   throw EndpointError("pty " + path.string() + ": " + what + "; " + mend);
 }
@@ -167,7 +255,14 @@ class PublishedLink::NameLock {
   [[nodiscard]] int open_file() const {
     constexpr int kFlags = O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
     const int file = ::open(path_.c_str(), O_RDWR | O_CREAT | kFlags, 0644);
-    return file >= 0 || errno != EACCES ? file : ::open(path_.c_str(), O_RDONLY | kFlags);
+    if (file >= 0 || errno != EACCES) {
+      return file;
+    }
+    const int existing = ::open(path_.c_str(), O_RDONLY | kFlags);
+    if (existing < 0) {
+      errno = EACCES;  // that of the first try: whether a file is there does not matter
+    }
+    return existing;
   }
   [[nodiscard]] bool is_in_place(int file) const {
     struct stat held {};
@@ -187,8 +282,15 @@ PublishedLink::PublishedLink(fs::path path)
     refuse_line(path_, "the working folder cannot be told: " + lost.message(),
                 "change to a folder that exists, or give an absolute path");
   }
+  if (is_below_dev(path_)) {
+    refuse_line(path_, "the path is below /dev, where devices are",
+                "choose a path elsewhere, such as " + own_folder() + "/gnss: " + kOwnTerminal);
+  }
   if (const std::string failed = create_folder_of(path_); !failed.empty()) {
-    refuse_line(path_, failed, kElsewhere);
+    refuse_line(path_, failed, elsewhere());
+  }
+  if (const auto stranger = stranger_above(path_)) {
+    refuse_line(path_, stranger->what, stranger->mend);
   }
   switch (lock_->take()) {
     case NameLock::Result::taken:
@@ -196,9 +298,11 @@ PublishedLink::PublishedLink(fs::path path)
     case NameLock::Result::held_by_another:
       refuse_line(path_, "another running rigwire publishes this path",
                   "stop that one or choose another path");
-    case NameLock::Result::failed:
-      refuse_line(path_, "cannot lock the path's name: " + link_error(errno),
-                  mend_of(errno, kElsewhere));
+    case NameLock::Result::failed: {
+      const int error = errno;
+      refuse_line(path_, "cannot lock the path's name: " + link_error(error),
+                  mend_of(error, elsewhere()));
+    }
   }
   if (const auto obstacle = obstacle_at(path_)) {
     refuse_line(path_, obstacle->what, obstacle->mend);
@@ -212,7 +316,7 @@ PublishedLink::~PublishedLink() {
 void PublishedLink::publish(const std::string& terminal) {
   const std::lock_guard guard(mutex_);
   if (const std::string failed = place(path_, terminal); !failed.empty()) {
-    refuse_line(path_, failed, kElsewhere);
+    refuse_line(path_, failed, elsewhere());
   }
   terminal_ = terminal;
 }

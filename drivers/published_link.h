@@ -9,6 +9,8 @@
 // - look() puts back a link that was removed, or that names a terminal which has gone. What
 // somebody
 //   else has put in its place stays, and is told.
+// - A folder that other users could change is refused, and so is a path below /dev, where devices
+//   are.
 // - May be used from two threads.
 #pragma once
 
@@ -24,11 +26,15 @@ namespace rigwire::drivers {
                               const std::string& mend);
 /// What helps against a descriptor that the system would not open.
 [[nodiscard]] std::string mend_of(int error, const std::string& otherwise);
+/// Returns why other users could replace a link at that path, or nothing when they cannot: a folder
+/// above it is theirs or can be written by them. Clients would then open a terminal of theirs.
+[[nodiscard]] std::string danger_of_link(const std::filesystem::path& link);
 
 class PublishedLink {
  public:
   /// Takes the name; its parent directories are created. Throws EndpointError when another running
-  /// process has it, or when something that is no leftover is in its place.
+  /// process has it, when something that is no leftover is in its place, or when the place is none
+  /// for a link.
   explicit PublishedLink(std::filesystem::path path);
   ~PublishedLink();
   PublishedLink(const PublishedLink&) = delete;

@@ -290,6 +290,44 @@ TEST_F(HttpServerTest, NewcomerGetsThePlaceOfTheMostSilent) {
   EXPECT_EQ(server_->clients(), 2U);
 }
 
+TEST_F(HttpServerTest, ARequestWithTwoHostsIsRefused) {
+  open();
+  auto one = client();
+  EXPECT_THAT(one.ask("GET / HTTP/1.1\r\nHost: x\r\nHost: y\r\n\r\n", "Host\n"),
+              StartsWith("HTTP/1.1 400 "));
+  EXPECT_TRUE(requests_.empty());
+}
+
+TEST_F(HttpServerTest, WhoWaitsForAnAnswerKeepsItsPlace) {
+  HttpServerSettings settings;
+  settings.port = 0;
+  settings.clients_max = 2;
+  server_ = std::make_unique<HttpServer>(context_, settings);
+  std::vector<HttpServer::Respond> waiting;
+  server_->start_patiently([&](const HttpRequest& request, const HttpServer::Respond& respond) {
+    if (request.target == "/wait") {
+      waiting.push_back(respond);
+    } else {
+      respond(response_);
+    }
+  });
+  auto patient = client();
+  patient.send("GET /wait HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_TRUE(wait([&] { return waiting.size() == 1; }));
+  for (int i = 0; i < 20; ++i) {
+    auto newcomer = client();
+    newcomer.ask("GET / HTTP/1.1\r\nHost: x\r\n\r\n", "hello");
+  }
+  EXPECT_FALSE(patient.closed());
+  auto second = client();
+  second.send("GET /wait HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_TRUE(wait([&] { return waiting.size() == 2; }));
+  auto third = client();
+  EXPECT_TRUE(wait([&] { return third.closed(); })) << "all places wait for answers";
+  waiting[0](response_);
+  EXPECT_TRUE(wait([&] { return patient.received().ends_with("hello"); }));
+}
+
 TEST_F(HttpServerTest, AnAnswerMayComeLaterThanItsClientWouldBePatient) {
   HttpServerSettings settings;
   settings.port = 0;

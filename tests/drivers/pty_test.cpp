@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <sys/ioctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -172,7 +173,7 @@ TEST_F(PtyTest, SpeedSurvivesTheCleaningAfterTheLastClient) {
 // pseudo-terminal after the last close, and only an administrator could open it again.
 TEST_F(PtyTest, OrdinaryUserOpensItAgainAfterAClientThatWantedItForItself) {
   fs::create_directories(directory);
-  fs::permissions(directory, fs::perms::all);
+  ASSERT_EQ(::chmod(directory.c_str(), 01777), 0);
   const pid_t child = ::fork();
   if (child == 0) {
     constexpr uid_t kNobody = 65534;
@@ -290,12 +291,45 @@ TEST_F(PtyTest, RefusesADirectory) {
 TEST_F(PtyTest, RefusesADirectoryThatCannotBeMadeAndSaysWhatHelps) {
   fs::create_directories(directory);
   std::ofstream(directory / "nested") << "a file where a directory should be";
-  EXPECT_THAT(refusal(), HasSubstr("such as /tmp/rigwire"));
+  EXPECT_THAT(refusal(), HasSubstr("such as "));
 }
 
 TEST_F(PtyTest, RefusesADirectoryWithoutWritePermission) {
   link = "/proc/rigwire/gnss";  // not even root may create there
   EXPECT_THAT(refusal(), HasSubstr("cannot create the directory /proc/rigwire"));
+}
+
+TEST_F(PtyTest, RefusesADirectoryInWhichOthersCouldPutTheirTerminal) {
+  fs::create_directories(link.parent_path());
+  fs::permissions(link.parent_path(), fs::perms::all);
+  EXPECT_THAT(refusal(), HasSubstr("can be written by other users"));
+  ASSERT_EQ(::chmod(link.parent_path().c_str(), 01777), 0);
+  EXPECT_EQ(refusal(), "no EndpointError") << "names in a sticky directory are their makers'";
+}
+
+TEST_F(PtyTest, RefusesADirectoryAndALinkOnTheWayOfAnotherUser) {
+  if (::geteuid() != 0) {
+    GTEST_SKIP() << "only root can give a directory away";
+  }
+  constexpr uid_t kNobody = 65534;
+  fs::create_directories(link.parent_path());
+  ASSERT_EQ(::chown(link.parent_path().c_str(), kNobody, kNobody), 0);
+  EXPECT_THAT(refusal(), HasSubstr("belongs to user 65534"));
+  ASSERT_EQ(::chown(link.parent_path().c_str(), 0, 0), 0);
+  fs::create_directory_symlink(link.parent_path(), directory / "way");
+  ASSERT_EQ(::lchown((directory / "way").c_str(), kNobody, kNobody), 0);
+  link = directory / "way" / "gnss";
+  EXPECT_THAT(refusal(), HasSubstr("the link " + (directory / "way").string()));
+}
+
+TEST_F(PtyTest, RefusesAPathAmongDevicesAndADevice) {
+  link = "/dev/rigwire-test/gnss";
+  EXPECT_THAT(refusal(), HasSubstr("below /dev"));
+  EXPECT_FALSE(fs::exists("/dev/rigwire-test"));
+  link = "/dev/ttyUSB77";
+  EXPECT_THAT(refusal(), HasSubstr("socat"));
+  link = "/dev/null";
+  EXPECT_THAT(refusal(), HasSubstr("below /dev"));
 }
 
 TEST_F(PtyTest, RefusesASecondOwnerOfThePath) {

@@ -10,10 +10,12 @@
 
 #include "protocols/markup.h"
 #include "protocols/pcapng/link_packet.h"
+#include "protocols/plain_text.h"
 
 namespace rigwire::conform {
 
 using protocols::escape_markup;
+using protocols::printable;
 
 namespace {
 
@@ -70,7 +72,7 @@ nlohmann::json to_json(const CaseResult& result) {
   for (const Step& step : result.steps) {
     steps.push_back({{"kind", word(step.kind)},
                      {"ms", static_cast<double>(step.at.count()) * 1e-6},
-                     {"words", step.words},
+                     {"words", printable(step.words, "\n\t")},
                      {"bytes", hex_text(step.bytes, step.bytes.size())}});
   }
   const CaseIdentity& identity = result.identity;
@@ -80,8 +82,8 @@ nlohmann::json to_json(const CaseResult& result) {
           {"strength", word(identity.strength)},
           {"danger", word(identity.danger)},
           {"verdict", word(result.verdict)},
-          {"expected", result.expected},
-          {"got", result.got},
+          {"expected", printable(result.expected, "\n\t")},
+          {"got", printable(result.got, "\n\t")},
           {"steps", steps}};
 }
 
@@ -174,11 +176,12 @@ std::string text_line(const CaseResult& result) {
   switch (result.verdict) {
     case Verdict::fail:
     case Verdict::lenient:
-      text += indent + "expected " + result.expected + "\n" + indent + "got " + result.got + "\n";
+      text += indent + "expected " + printable(result.expected, "\n\t") + "\n" + indent + "got " +
+              printable(result.got, "\n\t") + "\n";
       break;
     case Verdict::error:
     case Verdict::informational:
-      text += indent + result.got + "\n";
+      text += indent + printable(result.got, "\n\t") + "\n";
       break;
     case Verdict::pass:
     case Verdict::not_applicable:

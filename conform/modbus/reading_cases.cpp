@@ -15,6 +15,8 @@ using modbus::Table;
 
 namespace {
 
+using T = ModbusTrial;
+
 struct ReadFunction {
   std::uint8_t code;
   Table table;
@@ -129,7 +131,6 @@ std::vector<ModbusCase> cases_of(const ReadFunction& function) {
     made.needs.function = function.code;
     made.run = [run, &function](ModbusTrial& trial) { run(trial, function); };
   };
-  using T = ModbusTrial;
   using F = ReadFunction;
   const std::string most = std::to_string(function.most);
   add("One of the " + items + ", the first", Strength::must,

@@ -1,9 +1,13 @@
 #include "conform/nmea/nmea_log.h"
 
 #include <array>
+#include <cctype>
 #include <charconv>
+#include <variant>
 
 namespace rigwire::conform {
+
+namespace gnss_stream = protocols::gnss_stream;
 
 namespace {
 
@@ -82,11 +86,29 @@ const NmeaSentence* NmeaEpoch::find(std::string_view type) const {
 }
 
 void NmeaLog::add(std::chrono::nanoseconds at, std::span<const std::uint8_t> bytes) {
-  constexpr std::size_t kLongest = 1024;
   span_ = at;
+  splitter_.take(
+      bytes, [&](std::span<const std::uint8_t> piece,
+                 const gnss_stream::Splitter::Content& content) { add_piece(at, piece, content); });
+}
+
+void NmeaLog::add_piece(std::chrono::nanoseconds at, std::span<const std::uint8_t> bytes,
+                        const gnss_stream::Splitter::Content& content) {
+  constexpr std::size_t kLongest = 1024;
+  constexpr std::size_t kAddress = 6;  // with the sign in front
+  if (std::holds_alternative<protocols::ubx::FrameView>(content) ||
+      std::holds_alternative<protocols::rtcm3::FrameView>(content)) {
+    return;  // a message of another protocol on the same line
+  }
   for (const std::uint8_t byte : bytes) {
     const char c = static_cast<char>(byte);
-    if (!in_line_) {  // Binary messages may stand between sentences.
+    if (!in_line_) {
+      in_line_ = c == '$' || c == '!';
+      line_ = in_line_ ? std::string(1, c) : std::string();
+      continue;
+    }
+    // Bytes of a protocol that nobody knows here: no address has such letters.
+    if (line_.size() < kAddress && c != ',' && std::isalnum(byte) == 0) {
       in_line_ = c == '$' || c == '!';
       line_ = in_line_ ? std::string(1, c) : std::string();
       continue;
@@ -106,6 +128,10 @@ void NmeaLog::add(std::chrono::nanoseconds at, std::span<const std::uint8_t> byt
 }
 
 void NmeaLog::close() {
+  splitter_.flush(
+      [&](std::span<const std::uint8_t> piece, const gnss_stream::Splitter::Content& content) {
+        add_piece(span_, piece, content);
+      });
   std::vector<NmeaEpoch> all;
   for (const NmeaSentence& sentence : sentences_) {
     const auto field = time_field(sentence.type);

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "protocols/gnss_stream/splitter.h"
+
 namespace rigwire::conform {
 
 /// A line that begins with $ or !.
@@ -38,7 +40,8 @@ struct NmeaEpoch {
 
 class NmeaLog {
  public:
-  /// Bytes as they came; may end within a line.
+  /// Bytes as they came; may end within a line. Messages of UBX and RTCM 3 between the sentences
+  /// are passed over.
   void add(std::chrono::nanoseconds at, std::span<const std::uint8_t> bytes);
   /// To be called once, when listening ends: groups what came.
   void close();
@@ -49,6 +52,10 @@ class NmeaLog {
   [[nodiscard]] std::chrono::nanoseconds span() const { return span_; }
 
  private:
+  void add_piece(std::chrono::nanoseconds at, std::span<const std::uint8_t> bytes,
+                 const protocols::gnss_stream::Splitter::Content& content);
+
+  protocols::gnss_stream::Splitter splitter_;
   std::string line_;
   bool in_line_ = false;
   std::vector<NmeaSentence> sentences_;

@@ -4,11 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "protocols/rtcm3/frame.h"
+#include "protocols/ubx/frame.h"
 #include "suite_verdicts.h"
 
 namespace rigwire::conform {
@@ -79,6 +84,25 @@ TEST(NmeaSuite, BinaryBetweenSentencesIsNotTheirs) {
   std::string text = said(bodies());
   text.insert(text.find("$GNVTG"), std::string("\xB5\x62\x01\x07\x00\x00\x08\x19", 8));
   EXPECT_THAT(wrong_ids(judge(text, kClaims)), testing::IsEmpty());
+}
+
+// A receiver with UBX and RTCM on beside NMEA; whatever bytes their payloads have.
+TEST(NmeaSuite, MessagesOfOtherProtocolsOnTheLineAreNoSentences) {
+  constexpr std::string_view kPayload = "$GNRMC,1*00\n$$!x\n\r\n";
+  std::vector<std::uint8_t> ubx(protocols::ubx::kOverheadBytes + kPayload.size());
+  std::ranges::copy(kPayload, ubx.begin() + protocols::ubx::kHeaderBytes);
+  protocols::ubx::seal_frame({0x01, 0x07}, ubx);
+  std::vector<std::uint8_t> rtcm(protocols::rtcm3::kGreatestFrame);
+  rtcm.resize(protocols::rtcm3::encode_frame(
+      {reinterpret_cast<const std::uint8_t*>(kPayload.data()), kPayload.size()}, rtcm));
+  const std::string binary =
+      std::string(ubx.begin(), ubx.end()) + std::string(rtcm.begin(), rtcm.end());
+  std::string text;
+  for (const std::string& body : bodies()) {
+    text += binary + checked(body);
+  }
+  const SuiteResult result = judge(text, kClaims);
+  EXPECT_THAT(wrong_ids(result), testing::IsEmpty());
 }
 
 TEST(NmeaSuite, DilutionsOfOneDecimalAreRounded) {

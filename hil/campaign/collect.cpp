@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -10,6 +11,7 @@
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "drivers/endpoints.h"
@@ -63,10 +65,24 @@ void fill(CampaignRow& row, const PlainJson& result) {
     row.first_failure = result["first_failure"].get<std::string>();
     static_cast<void>(row.verdicts.at(*row.first_failure));
   }
+  const bool all_passed =
+      std::ranges::all_of(row.verdicts, [](const auto& verdict) { return verdict.second.passed; });
+  if (result.contains("index") && result["index"] != row.index) {
+    throw std::invalid_argument("it is of another run");
+  }
+  if ((outcome == "passed" && !all_passed) || (outcome == "failed" && all_passed)) {
+    throw std::invalid_argument("its outcome contradicts its criteria");
+  }
   if (result.contains("track")) {
     row.track = result["track"].get<std::vector<std::array<double, 3>>>();
   }
   row.outcome = static_cast<Outcome>(known - kOutcomes.begin());
+}
+
+void make_unreadable(CampaignRow& row, const std::string& why) {
+  row.first_failure.reset();
+  row.outcome = Outcome::crashed;
+  row.what = "its result.json cannot be read" + why;
 }
 
 void look_at(CampaignRow& row, const fs::path& folder) {
@@ -86,10 +102,10 @@ void look_at(CampaignRow& row, const fs::path& folder) {
     if (row.outcome != Outcome::crashed && !is_done(folder)) {
       row.outcome = Outcome::unfinished;
     }
-  } catch (const std::exception&) {
-    row.first_failure.reset();
-    row.outcome = Outcome::crashed;
-    row.what = "its result.json cannot be read";
+  } catch (const PlainJson::exception&) {
+    make_unreadable(row, "");
+  } catch (const std::exception& wrong) {
+    make_unreadable(row, std::string(": ") + wrong.what());
   }
 }
 
@@ -268,9 +284,14 @@ CampaignTable read_rows(const fs::path& folder) {
                                 ": not the table of its plan, allowed the one that "
                                 "`rigwire campaign expand -o` wrote");
   }
+  std::set<std::size_t> indices;
   for (const std::vector<std::string>& line : planned.rows) {
     CampaignRow row;
     row.index = whole<std::size_t>(planned, line[0]);
+    if (!indices.insert(row.index).second) {
+      throw std::invalid_argument(fmt::format("{}: index {} stands in two lines, allowed each once",
+                                              planned.name, row.index));
+    }
     row.seed = whole<std::uint64_t>(planned, line[1]);
     row.values.assign(line.begin() + 2, line.end());
     look_at(row, run_folder(folder, row.index));
@@ -289,11 +310,16 @@ std::optional<NumericValue> numeric(const std::string& value) {
 
 void write_tables(const fs::path& folder, const CampaignTable& table) {
   WholeFile("the table", folder / "results.csv").write(csv_of(table));
-  const fs::path written = folder / "results.sqlite.new";
+  // A name of its own: several collectors may be at the folder at once, and the last one stays.
+  const fs::path written = folder / fmt::format("results.sqlite.{}", ::getpid());
   fs::remove(written);
-  {
+  try {
     Database database(written);
     fill_database(database, table);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(written, ignored);
+    throw;
   }
   fs::rename(written, folder / "results.sqlite");
 }

@@ -100,6 +100,34 @@ TEST_F(CampaignRows, results_of_somebody_else_are_rows_that_crashed) {
   EXPECT_EQ(read_rows(folder_).count(Outcome::crashed), 4u);
 }
 
+TEST_F(CampaignRows, a_result_is_judged_by_its_parts_and_belongs_to_its_run) {
+  plan(4);
+  run(0, true);
+  run(1, true);
+  run(2, false);
+  const auto change = [&](std::size_t index, const char* key, const nlohmann::json& value) {
+    const fs::path file = run_folder(folder_, index) / "result.json";
+    nlohmann::json result;
+    std::ifstream(file) >> result;
+    result[key] = value;
+    std::ofstream(file) << result;
+  };
+  change(0, "index", 3);
+  change(2, "outcome", "passed");
+  const CampaignTable table = read_rows(folder_);
+  EXPECT_EQ(table.rows[0].outcome, Outcome::crashed);
+  EXPECT_THAT(table.rows[0].what, HasSubstr("of another run"));
+  EXPECT_EQ(table.rows[1].outcome, Outcome::passed);
+  EXPECT_EQ(table.rows[2].outcome, Outcome::crashed);
+  EXPECT_THAT(table.rows[2].what, HasSubstr("contradicts its criteria"));
+}
+
+TEST_F(CampaignRows, a_table_with_one_index_twice_is_refused) {
+  plan(2);
+  std::ofstream(folder_ / "table.csv") << "index,seed,kind,mass\n1,100,even,0 t\n1,101,odd,1 t\n";
+  EXPECT_THROW((void)read_rows(folder_), std::invalid_argument);
+}
+
 TEST_F(CampaignRows, tables_are_made_anew_and_read_by_sqlite) {
   plan(4);
   run(0, true);

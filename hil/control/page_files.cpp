@@ -22,7 +22,7 @@ struct Row {
   std::string_view package;  ///< Debian's; empty: of the page itself.
 };
 
-constexpr std::array<Row, 23> kRows{{
+constexpr std::array<Row, 24> kRows{{
     {"/", "index.html", ""},
     {"/page/style.css", "style.css", ""},
     {"/page/main.js", "main.js", ""},
@@ -38,6 +38,7 @@ constexpr std::array<Row, 23> kRows{{
     {"/page/hands.js", "hands.js", ""},
     {"/page/kept.js", "kept.js", ""},
     {"/page/lateness.js", "lateness.js", ""},
+    {"/page/recent.js", "recent.js", ""},
     {"/page/recording.js", "recording.js", ""},
     {"/page/registers.js", "registers.js", ""},
     {"/page/sensors.js", "sensors.js", ""},

@@ -5,6 +5,7 @@ import { Events } from "/page/events.js";
 import { Hands } from "/page/hands.js";
 import { keepChoice } from "/page/kept.js";
 import { Plots } from "/page/plots.js";
+import { Recent } from "/page/recent.js";
 import { Recording } from "/page/recording.js";
 import { Registers } from "/page/registers.js";
 import { Run } from "/page/run.js";
@@ -32,20 +33,17 @@ run.addEventListener("status", ({ detail }) => {
   connection.textContent = detail.message;
 });
 
-let before = null; // for the pace
+const recent = new Recent();
 run.listen("/status", (status) => {
-  const now = performance.now();
+  recent.take(status);
   part("time").textContent = `${(status.time_ns * 1e-9).toFixed(2)} s${status.paused ? ", stands" : ""}`;
   part("clock").textContent = status.clock;
   part("slipped").textContent = `${status.slipped_s.toFixed(2)} s`;
-  if (before) {
-    const factor = ((status.time_ns - before.time_ns) * 1e-6) / (now - before.now);
-    part("pace").textContent = `${factor.toFixed(2)} ×`;
-  }
-  before = { now, time_ns: status.time_ns };
+  const pace = recent.pace();
+  if (pace !== null) part("pace").textContent = `${pace.toFixed(2)} ×`;
 });
 
-const wires = new Wires(run, part("devices"), part("wire"), part("messages"), {
+const wires = new Wires(run, recent, part("devices"), part("wire"), part("messages"), {
   head: part("message-head"),
   bytes: part("message-bytes"),
   fields: part("message-fields"),

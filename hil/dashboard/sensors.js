@@ -99,7 +99,7 @@ export class Sensors {
       new THREE.LineBasicMaterial({ color: 0x40c4ff, fog: false }));
     const figure = document.createElement("figure");
     const caption = document.createElement("figcaption");
-    caption.textContent = `${name}: no client takes its pictures`;
+    caption.textContent = `${name}: no picture yet; pictures come while a client takes them`;
     figure.append(canvas, caption);
     this.pictures.append(figure);
     this.cameras.set(`/camera/${name}`, { name, canvas, caption, figure, texture, picture, count: 0 });

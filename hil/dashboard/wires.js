@@ -26,8 +26,10 @@ const whole = (number) => Math.round(number).toLocaleString("en");
 export class Wires {
   // `plot(source, numbers, time_s)` is given what the messages of a wire say.
   // `detail`: {head, bytes, fields, follow}, of one message, and {lateness}, of one device.
-  constructor(run, rows, choice, list, detail, plot) {
+  // `recent`: the statuses of the last seconds, which takes each before it is shown here.
+  constructor(run, recent, rows, choice, list, detail, plot) {
     this.run = run;
+    this.recent = recent;
     this.plot = plot;
     this.rows = rows;
     this.choice = choice;
@@ -36,7 +38,7 @@ export class Wires {
     this.device = null; // whose lateness is shown
     this.chosen = null; // message whose detail stays
     this.detailAt = 0;
-    this.before = null; // the status before, for rates
+    this.status = null; // the latest
     run.listen("/status", (status) => this.show(status));
     run.addEventListener("topics", () => this.offer());
     choice.addEventListener("change", () => this.watch());
@@ -48,23 +50,21 @@ export class Wires {
   }
 
   show(status) {
-    const elapsed_s = this.before ? (status.time_ns - this.before.time_ns) * 1e-9 : 0;
     for (const [name, device] of Object.entries(status.devices)) {
       const row = [...this.rows.rows].find(({ dataset }) => dataset.device === name) ?? this.newRow(name);
       row.wire = device.wire;
-      const sent = device.frames - (this.before?.devices[name]?.frames ?? device.frames);
-      const rate = elapsed_s > 0 ? sent / elapsed_s : null;
+      const rate = this.recent.rate(name);
       COLUMNS.forEach(([, show], index) => {
         row.cells[index + 1].textContent = show(device, rate);
       });
       row.querySelector(".drops").classList.toggle("bad", device.dropped > 0);
     }
-    this.before = status;
+    this.status = status;
     this.showLateness();
   }
 
   showLateness() {
-    const known = this.before?.devices[this.device];
+    const known = this.status?.devices[this.device];
     if (known) drawLateness(this.detail.lateness, this.device, known.lateness_us);
   }
 

@@ -465,7 +465,7 @@ def lateness_of_a_device_is_shown_by_class(rig, browser):
     browser.find_element(By.CSS_SELECTOR, "tr[data-device=lidar] button").click()
     told = eventually("it is told", lambda: browser.find_element(By.ID, "lateness-words").text)
     assert told.startswith("lidar: "), told
-    counts = value(browser, "rigwire.wires.before.devices.lidar.lateness_us")
+    counts = value(browser, "rigwire.wires.status.devices.lidar.lateness_us")
     assert [us for us, _ in counts][:3] == [10, 20, 50] and counts[-1][0] is None, counts
     assert sum(count for _, count in counts) > 1000, counts
     assert value(browser, "document.querySelectorAll('#lateness rect').length") >= 6

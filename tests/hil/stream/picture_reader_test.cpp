@@ -158,6 +158,37 @@ TEST(PictureReader, OfSeveralPartsTheFirstImageIsShown) {
   EXPECT_THAT(picture->pixels, ElementsAre(10, 11));
 }
 
+// A client that takes disparities and how sure they are, and no image.
+TEST(PictureReader, WithoutAnImageDisparitiesAreShownByTheLargestOne) {
+  PictureReader reader;
+  gige::PartLeader disparity;
+  disparity.type = gige::DataType::image_3d;
+  disparity.format = gige::PixelFormatCode::coord3d_c16;
+  disparity.length = 4;
+  disparity.width = 2;
+  disparity.height = 1;
+  const std::vector<gige::PartLeader> parts{disparity};
+  (void)reader.take(kStart, packet(
+                                gige::PacketFormat::leader, 1, 0,
+                                [&](std::span<std::uint8_t> out) {
+                                  return gige::write_multipart_leader(out, false, 0, parts);
+                                },
+                                1));
+  (void)reader.take(kStart,
+                    packet(gige::PacketFormat::multipart, 1, 1, [&](std::span<std::uint8_t> out) {
+                      const std::size_t head = gige::write_multipart_header(out, 0, 0);
+                      out[head] = 100;  // low byte first
+                      out[head + 1] = 0;
+                      out[head + 2] = 200;
+                      out[head + 3] = 0;
+                      return head + 4;
+                    }));
+  const SmallPicture* const picture = reader.take(kStart, trailer(1, true));
+  ASSERT_NE(picture, nullptr);
+  EXPECT_EQ(picture->encoding, "mono8");
+  EXPECT_THAT(picture->pixels, ElementsAre(127, 255));
+}
+
 TEST(PictureReader, WhatNobodyCanHoldOrSeeIsLeftOut) {
   PictureReader reader;
   for (const auto& [width, height, format] :

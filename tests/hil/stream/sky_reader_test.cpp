@@ -80,6 +80,36 @@ TEST(SkyReader, SystemsOfTheSameNumbersAreToldApart) {
   }
 }
 
+// A ZED-F9P: a group for each signal, and one with signal 0 for what is not received.
+TEST(SkyReader, GroupsOfSeveralSignalsOfASystemAreOneSky) {
+  SkyReader reader;
+  const std::string epoch = sky_sentence("GNGSA,A,3,05,07,,,,,,,,,,,2.0,1.0,1.7,1") +
+                            sky_sentence("GPGSV,1,1,02,05,60,120,44,07,30,200,41,1") +
+                            sky_sentence("GPGSV,1,1,02,05,60,120,39,07,30,200,,6") +
+                            sky_sentence("GPGSV,1,1,01,09,10,300,,0") +
+                            sky_sentence("GLGSV,1,1,01,70,20,040,33,1");
+  (void)read(reader, epoch);
+  for (const Sky& sky : read(reader, epoch)) {
+    ASSERT_THAT(sky, SizeIs(4)) << "a group does not replace another";
+    EXPECT_THAT(
+        sky,
+        ElementsAre(Field(&SkySatellite::name, "GPS 5"), Field(&SkySatellite::name, "GPS 7"),
+                    Field(&SkySatellite::name, "GPS 9"), Field(&SkySatellite::name, "GLONASS 70")));
+    EXPECT_EQ(sky[0].cn0_dbhz, 44) << "the strongest signal";
+    EXPECT_EQ(sky[1].cn0_dbhz, 41);
+    EXPECT_EQ(sky[2].cn0_dbhz, 0);
+    EXPECT_TRUE(sky[0].used && sky[1].used && !sky[2].used && !sky[3].used);
+  }
+}
+
+TEST(SkyReader, AGroupThatIsSentNoMoreIsForgotten) {
+  SkyReader reader;
+  const std::string first = sky_sentence("GPGSV,1,1,01,05,60,120,44,1");
+  (void)read(reader, first + sky_sentence("GPGSV,1,1,01,09,10,300,,0"));
+  EXPECT_THAT(read(reader, first), ElementsAre(SizeIs(2))) << "it can still come in this round";
+  EXPECT_THAT(read(reader, first), ElementsAre(SizeIs(1)));
+}
+
 TEST(SkyReader, ReadsNavSat) {
   using protocols::ubx::NavSatBlock;
   using protocols::ubx::NavSatHead;

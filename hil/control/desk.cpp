@@ -296,6 +296,7 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
                 {"devices", std::move(devices)},
                 {"buses", std::move(buses)},
                 {"faults", std::move(faults)},
+                {"wall_s", status.wall_s},
                 {"slipped_s", to_seconds(status.slipped)},
                 {"recording", run_.recorder != nullptr && run_.recorder->folder()
                                   ? Json(printable(*run_.recorder->folder()))

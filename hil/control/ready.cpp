@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -31,6 +32,12 @@ std::array<int, 2> opened_pipe() {
 bool can_be_written(int descriptor) {
   const int flags = ::fcntl(descriptor, F_GETFL);
   return flags >= 0 && (flags & O_ACCMODE) != O_RDONLY;
+}
+
+bool others_can_read(int descriptor) {
+  struct stat file {};
+  return ::fstat(descriptor, &file) == 0 && S_ISREG(file.st_mode) &&
+         (file.st_mode & (S_IRGRP | S_IROTH)) != 0;
 }
 
 void tell_ready(int descriptor, const std::string& line) {

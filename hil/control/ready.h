@@ -9,6 +9,9 @@
 
 namespace rigwire::hil {
 
+/// Returns whether the descriptor is a file that users other than its owner may read.
+[[nodiscard]] bool others_can_read(int descriptor);
+
 /// Whether a descriptor is there to be written. Asked before anything is opened, which could get
 /// its number.
 [[nodiscard]] bool can_be_written(int descriptor);

@@ -20,6 +20,7 @@
 #include "hil/configuration/build_facts.h"
 #include "hil/control/dashboard.h"
 #include "hil/control/desk.h"
+#include "hil/control/overrun_lines.h"
 #include "hil/control/ready.h"
 #include "hil/control/showing.h"
 #include "hil/executive/awake_processors.h"
@@ -125,18 +126,26 @@ RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOpt
   settings.lead = configuration.lead;
   settings.overrun = options.overrun;
   settings.overrun_limit = options.overrun_limit;
-  settings.on_overrun = [&](const Overrun& overrun) {
-    constexpr std::array<std::string_view, 3> kWhat{
-        "simulated time gave way", "wires are late until that is made up", "the run ends"};
-    const std::string text = fmt::format("{:.0f} ms behind the wall clock at {:.3f} s: {}",
-                                         1e3 * to_seconds(overrun.lag), to_seconds(overrun.at),
-                                         kWhat[static_cast<std::size_t>(options.overrun)]);
-    events.tell(overrun.at, EventKind::slipped, LogLevel::warning, "", text);
+  OverrunLines lines(options.overrun, [&](SimTime at, const std::string& text) {
+    events.tell(at, EventKind::slipped, LogLevel::warning, "", text);
     if (options.overrun != OverrunPolicy::stop) {
       log.apart(LogLevel::warning, text);
     }
+  });
+  settings.on_overrun = [&](const Overrun& overrun) {
+    lines.take(overrun, std::chrono::steady_clock::now());
   };
-  return rig.executive().run_paced(settings, end);
+  RunOutcome outcome = rig.executive().run_paced(settings, end);
+  lines.flush();
+  return outcome;
+}
+
+/// For the log. A log that other users can read keeps it to itself.
+std::string shown_token(const std::string& token) {
+  return others_can_read(STDERR_FILENO)
+             ? "token not shown, since other users can read this log; give one by "
+               "RIGWIRE_CONTROL_TOKEN, or make the log private (umask 077)"
+             : "token " + token;
 }
 
 /// But for the stages of the truth, which may be at work.
@@ -240,7 +249,8 @@ void tell_ready(const RunOptions& options, const Rig& rig, const std::string& ha
   }
   const std::string text = line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   if (isolated != nullptr) {
-    WholeFile("run.json", isolated->folder / "run.json").write(text + "\n");
+    // It has the token.
+    WholeFile("run.json", isolated->folder / "run.json", FileReaders::owner).write(text + "\n");
   }
   notify_service_manager();
   if (options.ready_descriptor) {
@@ -315,18 +325,16 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   interrupts.govern(&rig->executive());
 
   std::unique_ptr<Onlooker> onlooker;
+  const auto status = [&rig, begun = std::chrono::steady_clock::now()] {
+    RigStatus now = rig->status();
+    now.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    return now;
+  };
   if (options.onlooker) {
-    const auto start = std::chrono::steady_clock::now();
-    onlooker = options.onlooker(
-        {log, io, wired, hash, rig->wires(), rig->truth().state_quantities(),
-         [&rig, start] {
-           RigStatus status = rig->status();
-           status.wall_s =
-               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-           return status;
-         },
-         [&interrupts] { interrupts.end_by(SIGPIPE); },
-         [&failures](const std::string& what) { failures.report(what); }});
+    onlooker =
+        options.onlooker({log, io, wired, hash, rig->wires(), rig->truth().state_quantities(),
+                          status, [&interrupts] { interrupts.end_by(SIGPIPE); },
+                          [&failures](const std::string& what) { failures.report(what); }});
   }
   std::optional<Dashboard> dashboard;
   if (stream) {
@@ -342,15 +350,15 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   if (options.control || dashboard) {
     desk.emplace(
         io, rig->executive(),
-        GovernedRun{
-            configuration.name, configuration.seed, hash, options.clock,
-            rig->truth().state_quantities(), [&rig] { return rig->status(); }, rig->faults(),
-            [&rig, &configuration, &hash, &options, kept_awake] {
-              return to_prometheus(report_of(*rig, configuration, hash, options,
-                                             rig->executive().outcome(), kept_awake));
-            },
-            &events, shown != nullptr ? nullptr : recorder.get(), &rig->hand(), &rig->settings(),
-            shown, isolated ? isolated->folder : std::filesystem::current_path()});
+        GovernedRun{configuration.name, configuration.seed, hash, options.clock,
+                    rig->truth().state_quantities(), status, rig->faults(),
+                    [&rig, &configuration, &hash, &options, kept_awake] {
+                      return to_prometheus(report_of(*rig, configuration, hash, options,
+                                                     rig->executive().outcome(), kept_awake));
+                    },
+                    &events, shown != nullptr ? nullptr : recorder.get(), &rig->hand(),
+                    &rig->settings(), shown,
+                    isolated ? isolated->folder : std::filesystem::current_path()});
   }
   if (shown != nullptr) {
     shown->rerun().govern(*desk, [&log](const std::string& what) { log.warning(what); });
@@ -365,7 +373,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     server.emplace(has_page ? viewers_io : io, *options.control, token, *desk,
                    has_page ? &*dashboard : nullptr);
     log.info(options.control->path.empty()
-                 ? fmt::format("control at {}, token {}", server->address(), token)
+                 ? fmt::format("control at {}, {}", server->address(), shown_token(token))
                  : "control at " + server->address());
   }
   if (dashboard) {
@@ -375,7 +383,9 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     if (shown != nullptr) {
       shown->served_at(page->address());
     }
-    log.info("dashboard at " + page->page_address());
+    log.info(others_can_read(STDERR_FILENO)
+                 ? fmt::format("dashboard at {}, {}", page->address(), shown_token(token))
+                 : "dashboard at " + page->page_address());
   }
   std::optional<BackgroundThread> viewers_thread;
   if (dashboard) {

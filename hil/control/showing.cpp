@@ -15,7 +15,7 @@ namespace {
 constexpr Duration kSeenBefore = std::chrono::milliseconds{500};
 /// A page loads again, and asks for what it shows; at most.
 constexpr std::chrono::seconds kReturn{20};
-constexpr std::chrono::milliseconds kLook{100};
+constexpr std::chrono::milliseconds kViewerLook{100};
 
 const auto kNobody = [](const Reply& /*reply*/) {};
 
@@ -59,7 +59,7 @@ void Showing::steer(Desk& desk, Executive& executive, boost::asio::io_context& i
 
 void Showing::go_on_when_looked_at(Desk& desk, Executive& executive, boost::asio::io_context& io,
                                    std::chrono::steady_clock::time_point latest) {
-  const auto timer = std::make_shared<boost::asio::steady_timer>(io, kLook);
+  const auto timer = std::make_shared<boost::asio::steady_timer>(io, kViewerLook);
   timer->async_wait([this, &desk, &executive, &io, latest, timer,
                      at = executive.now()](const boost::system::error_code& error) {
     if (error || !executive.paused() || executive.now() != at) {

@@ -586,6 +586,9 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
   transmit_due(now_);
 
   truth.join();
+  if (stall_) {
+    end_stall(settings);
+  }
   RunOutcome ended = outcome();
   clock_ = nullptr;
   truth_thread_ = nullptr;
@@ -593,6 +596,9 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
 }
 
 void Executive::watch_lag(const PacedSettings& settings, SimTime wanted) {
+  if (stall_ && stall_->at < frontier_) {
+    end_stall(settings);
+  }
   const Duration lag = wanted - frontier_;
   if (lag <= settings.overrun_limit) {
     behind_ = behind_ && lag > Duration{0};
@@ -601,23 +607,33 @@ void Executive::watch_lag(const PacedSettings& settings, SimTime wanted) {
   if (behind_) {
     return;
   }
-  const Overrun overrun{frontier_, lag};
-  ++outcome_.overruns;
-  if (outcome_.first_overruns.size() < kOverrunsKept) {
-    outcome_.first_overruns.push_back(overrun);
-  }
   switch (settings.overrun) {
     case OverrunPolicy::slip:
+      // A stall longer than the limit makes the clock slip several times, and is one overrun.
       clock_->slip(lag);
-      ++outcome_.slips;
+      stall_ = {frontier_, (stall_ ? stall_->lag : Duration{0}) + lag};
       break;
     case OverrunPolicy::warn:
       behind_ = true;
+      report_overrun(settings, {frontier_, lag});
       break;
     case OverrunPolicy::stop:
       fail(milliseconds_text(lag) + " behind the wall clock, allowed " +
            milliseconds_text(settings.overrun_limit));
+      report_overrun(settings, {frontier_, lag});
       break;
+  }
+}
+
+void Executive::end_stall(const PacedSettings& settings) {
+  ++outcome_.slips;
+  report_overrun(settings, *std::exchange(stall_, std::nullopt));
+}
+
+void Executive::report_overrun(const PacedSettings& settings, const Overrun& overrun) {
+  ++outcome_.overruns;
+  if (outcome_.first_overruns.size() < kOverrunsKept) {
+    outcome_.first_overruns.push_back(overrun);
   }
   if (settings.on_overrun) {
     settings.on_overrun(overrun);

@@ -59,7 +59,8 @@ enum class OverrunPolicy {
 };
 inline constexpr std::array<std::string_view, 3> kOverrunPolicies{"slip", "warn", "stop"};
 
-/// One time that it did. With `warn`, from when the limit was exceeded until the lag is made up.
+/// One stall of the host. With `slip`, `lag` is by how much the clock slipped in all of it; with
+/// `warn`, it lasts from when the limit was exceeded until the lag is made up.
 struct Overrun {
   SimTime at{};
   Duration lag{0};
@@ -206,8 +207,10 @@ class Executive {
   [[nodiscard]] SimTime next_wakeup() const;
   [[nodiscard]] SimTime present() const;
   void fail(const std::string& what);
-  /// Whether truth is that far behind `wanted`; acts as the policy has it.
+  /// Acts as the policy says where the truth is too far behind `wanted`.
   void watch_lag(const PacedSettings& settings, SimTime wanted);
+  void end_stall(const PacedSettings& settings);
+  void report_overrun(const PacedSettings& settings, const Overrun& overrun);
   void wait_for(const ClientPatience& clients);
 
   boost::asio::io_context& io_;
@@ -225,9 +228,10 @@ class Executive {
   std::vector<std::function<void(TruthRequests&)>> asked_;
   WireStages wire_stages_;
   StageLaps laps_;
-  RunOutcome outcome_;   ///< Of the run that goes on, its counts alone.
-  WallTime began_{};     ///< Of that run.
-  bool behind_ = false;  ///< An overrun that is not made up.
+  RunOutcome outcome_;            ///< Of the run that goes on, its counts alone.
+  WallTime began_{};              ///< Of that run.
+  bool behind_ = false;           ///< An overrun that is not made up.
+  std::optional<Overrun> stall_;  ///< Of the host, as long as it lasts; `lag` is its sum so far.
   std::vector<double> machine_state_;
   SliceListener slice_listener_ = [](SimTime, const std::vector<double>&) {};
   HandoverListener handover_listener_ = [](const RequestHandover&) {};

@@ -160,6 +160,7 @@ class Reading:
     devices: Mapping[str, DeviceStatus]
     buses: Mapping[str, BusStatus]
     faults: Sequence[FaultWindow]
+    wall_s: float  #: Wall time since the run began.
     slipped_s: float  #: By which the clock gave way to a host that is too slow.
     recording: str | None  #: Folder of the one that goes on.
 
@@ -355,6 +356,7 @@ class Rig:
                 for name, bus in reply["buses"].items()
             },
             [FaultWindow(**fault) for fault in reply["faults"]],
+            reply["wall_s"],
             reply["slipped_s"],
             reply["recording"],
         )

@@ -281,10 +281,16 @@ TEST(Executive, EveryOverrunIsToldWithWhenAndHowFar) {
   const RunOutcome outcome = rig.executive.run_paced(settings, kStart + 60ms);
   EXPECT_EQ(outcome.overruns, told.size());
   EXPECT_EQ(outcome.first_overruns, told);
+  Duration slipped{0};
+  SimTime last = kNever;
   for (const Overrun& overrun : told) {
     EXPECT_GT(overrun.lag, 10ms);
     EXPECT_LE(overrun.at, kStart + 60ms);
+    EXPECT_NE(overrun.at, last) << "a stall is told once, however often the clock slips in it";
+    last = overrun.at;
+    slipped += overrun.lag;
   }
+  EXPECT_EQ(slipped, outcome.slipped);
 }
 
 TEST(Executive, ARunThatOnlyWarnsKeepsItsClockAndTellsOnce) {

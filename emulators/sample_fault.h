@@ -251,9 +251,10 @@ class FaultySamples {
 
   /// At sample.time. Precondition: it does not fall from call to call.
   void lay_over(Sample& sample) {
-    for (const auto& [id, fault] : faults_.list()) {
-      if (fault.when.holds(sample.time)) {
-        std::visit([&](const auto& what) { act(id, fault.when, what, sample); }, fault.what);
+    for (const auto& entry : faults_.list()) {
+      if (entry.fault.when.holds(sample.time)) {
+        std::visit([&](const auto& what) { act(entry.id, entry.fault.when, what, sample); },
+                   entry.fault.what);
       }
     }
   }

@@ -18,6 +18,7 @@ Examples:
   rigwire doctor                                    what this machine can offer
 
 Exit codes: 0 done, 1 run-time failure, 2 usage or configuration, 3 environment or permission,
+5 a replay that differs (replay --verify) or a device that does not conform (conform),
 128 + n after signal n.)";
 
 }  // namespace

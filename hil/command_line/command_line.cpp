@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <new>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -605,6 +606,10 @@ int parse_and_dispatch(const std::vector<std::string>& arguments, const Companio
   } catch (const std::invalid_argument& error) {
     terminal.err << "rigwire: " << error.what() << "\n";
     return static_cast<int>(ExitCode::usage);
+  } catch (const std::bad_alloc&) {
+    terminal.err << "rigwire: no memory left; give the process more (ulimit -v), or make scene, "
+                    "pictures or files smaller\n";
+    return static_cast<int>(ExitCode::failure);
   } catch (const std::exception& error) {
     terminal.err << "rigwire: " << error.what() << "\n";
     return static_cast<int>(ExitCode::failure);

@@ -1,7 +1,6 @@
 // Where rigs, machines and scenes are found: by path, or by name in the folders of configurations.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,11 +11,6 @@ struct ConfigFile {
   std::string name;  ///< Without folder and ending: "excavator_pit".
   std::string path;
 };
-
-/// Folders that hold rigs/, machines/ and scenes/, the first match winning: that of the environment
-/// variable RIGWIRE_CONFIGS, ../share/rigwire/configs beside the program, as it is installed, the
-/// source tree that it was built from.
-[[nodiscard]] std::vector<std::filesystem::path> config_folders();
 
 /// All files of the kind, sorted by name; a name that two folders have counts once.
 [[nodiscard]] std::vector<ConfigFile> config_files(const std::string& kind);

@@ -18,6 +18,7 @@
 
 #include "drivers/can_interface.h"
 #include "drivers/descriptor.h"
+#include "drivers/published_link.h"
 #include "drivers/usb_host.h"
 #include "drivers/vhci.h"
 #include "hil/files/geoid_file.h"
@@ -83,12 +84,14 @@ Finding pty() {
 Finding link_folder() {
   const fs::path folder = "/tmp/rigwire";
   const fs::path asked = fs::exists(folder) ? folder : folder.parent_path();
+  constexpr const char* kMend = "give it to yourself, or set `path` of gnss and can elsewhere";
   if (::access(asked.c_str(), W_OK | X_OK) == 0) {
-    return {"links", Health::good, "/tmp/rigwire can be written", ""};
+    const std::string danger = drivers::danger_of_link(asked / "gnss");
+    return danger.empty() ? Finding{"links", Health::good, "/tmp/rigwire can be written", ""}
+                          : Finding{"links", Health::missing, danger, kMend};
   }
   return {"links", Health::missing,
-          fmt::format("{} cannot be written: {}", asked.string(), std::strerror(errno)),
-          "give it to yourself, or set `path` of gnss and can elsewhere"};
+          fmt::format("{} cannot be written: {}", asked.string(), std::strerror(errno)), kMend};
 }
 
 Finding limit(const char* name, __rlimit_resource resource, rlim_t wanted, const char* unit,

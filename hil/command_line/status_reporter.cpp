@@ -215,7 +215,8 @@ void StatusReporter::loop() {
     if (status) {
       requested = false;
       history_.push_back(*status);
-      while (history_.size() > 2 && status->now - history_[1].now >= kRateWindow) {
+      while (history_.size() > kMaxHistory ||
+             (history_.size() > 2 && status->now - history_[1].now >= kRateWindow)) {
         history_.pop_front();
       }
       show(*status);

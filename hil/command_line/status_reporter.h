@@ -61,6 +61,7 @@ class StatusReporter final : public Onlooker {
  public:
   /// Rates are means over this much simulated time: a receiver of 1 Hz sends in bursts.
   static constexpr Duration kRateWindow = std::chrono::seconds{5};
+  static constexpr std::size_t kMaxHistory = 600;  ///< While the run is paused or slow.
   /// How long the summary waits for a reader that does not read.
   static constexpr std::chrono::seconds kSummaryPatience{2};
 

@@ -305,20 +305,27 @@ int follow_events(const ControlEndpoint& endpoint, const std::string& token, Jso
   const drivers::Output output(STDOUT_FILENO);
   constexpr std::chrono::hours kReader{24};
   bool known = false;
+  bool lost = false;
   while (true) {
     request["wait"] = known;  // the first answer at once
     ControlAnswer answer;
     try {
       answer = ask_control(endpoint, token, request.dump());
     } catch (const drivers::EndpointError&) {
-      if (known) {
-        return code(ExitCode::done);  // the run is over
+      if (lost) {
+        return code(ExitCode::done);  // nobody is there any more: the run is over
       }
-      throw;
+      if (!known) {
+        throw;
+      }
+      lost = true;
+      known = false;  // a connection can be lost while the run goes on: once more, at once
+      continue;
     }
-    if (answer.status == 410 && known) {
+    if (answer.status == 410 && (known || lost)) {
       return code(ExitCode::done);
     }
+    lost = false;
     if (answer.status != 200) {
       terminal.out << answer.body << "\n";
       return ctl_code(answer);

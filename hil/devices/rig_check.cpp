@@ -39,6 +39,15 @@ void RigCheck::report(const std::string& path, std::string what, std::string fou
                  std::move(allowed), std::move(suggestion)});
 }
 
+void RigCheck::without_effect(const std::string& path, const std::string& cause,
+                              const std::string& why, const std::string& found,
+                              const std::string& allowed) {
+  const Location written = origins_.of(path);
+  if (written.source != nullptr && written.layer >= origins_.of(cause).layer) {
+    report(path, "has no effect: " + why, found, allowed);
+  }
+}
+
 void RigCheck::claim(const std::string& path, const std::string& resource,
                      const std::string& shown) {
   const auto [owner, fresh] = owners_.emplace(resource, path);
@@ -61,6 +70,10 @@ void RigCheck::link(const std::string& path, const std::string& link) {
 void RigCheck::file_path(const std::string& path, const std::string& file) {
   if (file.empty() || file.front() != '/' || file.back() == '/') {
     report(path, "must be an absolute path", quoted(file), "a path like /tmp/rigwire/gnss");
+  } else if (file.starts_with("/dev/") && !file.starts_with("/dev/shm/")) {
+    report(path, "is the place of a device, where the program would put a link to its own terminal",
+           quoted(file),
+           "a path like /tmp/rigwire/gnss; another program joins it to a real serial line (socat)");
   }
   claim(path, "path " + file, file);
 }

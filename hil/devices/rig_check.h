@@ -30,6 +30,11 @@ class RigCheck {
   void one_of(const std::string& path, const std::string& what, const std::string& found,
               const std::vector<std::string>& names);
 
+  /// Reports the key `path`, where it was written and not overruled by the later choice of `cause`,
+  /// another key that leaves it without effect.
+  void without_effect(const std::string& path, const std::string& cause, const std::string& why,
+                      const std::string& found, const std::string& allowed);
+
   void link(const std::string& path, const std::string& link);
   /// An absolute path that is free.
   void file_path(const std::string& path, const std::string& file);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <stdexcept>
 
 #include "fields/visitor.h"
@@ -157,6 +158,27 @@ void ValveDriverConfiguration::check(const std::string& at, RigCheck& check) con
     check.claim(at + ".unit", fmt::format("{} unit {}", line, unit), std::to_string(unit));
   }
   check.valve_block(at, driver.amplifier.sections);
+  if (!map.empty()) {
+    check_against_map(at, check);
+  }
+}
+
+/// Registers that begin with values of their own beat the device's keys.
+void ValveDriverConfiguration::check_against_map(const std::string& at, RigCheck& check) const {
+  const emulators::ValveDriver at_start(driver_settings(*this));
+  const emulators::ValveAmplifierParameters& effective = at_start.amplifier().parameters();
+  const emulators::ValveAmplifierParameters& configured = driver.amplifier.parameters;
+  const std::string needed = "without `initial` in the map, or without this key";
+  if (effective.watchdog != configured.watchdog) {
+    check.without_effect(
+        at + ".watchdog", at + ".map",
+        "the map's register begins with " + fields::print_duration(effective.watchdog.count()),
+        fields::print_duration(configured.watchdog.count()), needed);
+  }
+  if (effective.reaction != configured.reaction) {
+    check.without_effect(at + ".reaction", at + ".map",
+                         "the map's register begins with another one", "", needed);
+  }
 }
 
 void visit(fields::Visitor& v, ValveDriverFault& p) {
@@ -204,9 +226,21 @@ std::vector<fields::Named> ValveDriverConfiguration::fault_kinds() const {
 }
 
 DevicePlan ValveDriverConfiguration::plan(const RigView& rig) const {
+  const emulators::ValveDriver driver_at_start(driver_settings(*this));
+  const emulators::ValveMap& registers = driver_at_start.map();
+  std::set<std::size_t> commanded;
+  for (const emulators::ValveRegister& entry : registers.registers) {
+    if (entry.writable && entry.signal <= emulators::ValveSignal::command_b) {
+      for (std::size_t i = 0; i < entry.count; ++i) {
+        commanded.insert(entry.section + i);
+      }
+    }
+  }
   return {modbus_wire(rig, *this), "on request", "",
-          fmt::format("unit {}, {} sections, watchdog {}", unit, driver.amplifier.sections.size(),
-                      fields::print_duration(driver.amplifier.parameters.watchdog.count()))};
+          fmt::format(
+              "unit {}, registers of {}, {} sections commanded, watchdog {}", unit, registers.name,
+              commanded.size(),
+              fields::print_duration(driver_at_start.amplifier().parameters().watchdog.count()))};
 }
 
 std::optional<BusShare> ValveDriverConfiguration::bus_share(std::string_view /*name*/) const {

@@ -38,6 +38,7 @@ struct ValveDriverConfiguration final : DeviceConfigurationOf<ValveDriverConfigu
   void visit(fields::Visitor& v) override;
   void validate() const override;
   void check(const std::string& at, RigCheck& check) const override;
+  void check_against_map(const std::string& at, RigCheck& check) const;
   void each_fault(const FaultEar& take) override;
   [[nodiscard]] std::vector<fields::Named> fault_kinds() const override;
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;

@@ -128,8 +128,8 @@ void refuse_by_kind(const std::string& what, const std::string& shown, const str
 
 }  // namespace
 
-WholeFile::WholeFile(std::string what, const std::string& path)
-    : what_(std::move(what)), shown_(path), file_(path) {
+WholeFile::WholeFile(std::string what, const std::string& path, FileReaders readers)
+    : what_(std::move(what)), shown_(path), file_(path), readers_(readers) {
   if (path == "-") {
     way_ = Way::standard_output;
     shown_ = "on standard output";
@@ -176,7 +176,9 @@ void WholeFile::write_beside(std::string_view text) const {
     throw std::runtime_error(cannot(reason(errno)));
   }
   struct stat there {};
-  if (::stat(file_.c_str(), &there) == 0) {
+  if (readers_ == FileReaders::owner) {
+    static_cast<void>(!::fchmod(temporary.descriptor(), S_IRUSR | S_IWUSR));
+  } else if (::stat(file_.c_str(), &there) == 0) {
     // As it was; who may not give files away keeps his own name on it.
     static_cast<void>(!::fchown(temporary.descriptor(), there.st_uid, there.st_gid));
     static_cast<void>(!::fchmod(temporary.descriptor(), there.st_mode & kPermissionBits));

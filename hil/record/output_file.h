@@ -52,12 +52,17 @@ class OutputFailures {
 /// How long a FIFO's reader may take to come, and any reader to read, before it is given up.
 inline constexpr std::chrono::seconds kReaderPatience{2};
 
+enum class FileReaders {
+  as_usual,  ///< As the file that was there, or as the umask has it.
+  owner      ///< Nobody else: the text holds a secret.
+};
+
 /// The report's, or another text that is written at once.
 class WholeFile {
  public:
   /// `path` "-" is standard output; `what` it is in messages ("the report"). Tries that it can be
   /// written, and leaves everything as it was. Throws drivers::EndpointError with path and reason.
-  WholeFile(std::string what, const std::string& path);
+  WholeFile(std::string what, const std::string& path, FileReaders readers = FileReaders::as_usual);
 
   /// Throws std::runtime_error with path and reason; no temporary file is left then.
   void write(std::string_view text) const;
@@ -73,6 +78,7 @@ class WholeFile {
   std::string shown_;           ///< The path as the user wrote it.
   std::filesystem::path file_;  ///< With links resolved.
   Way way_ = Way::replaced;
+  FileReaders readers_ = FileReaders::as_usual;
 };
 
 /// The truth's: grows with the run. What it cannot write is reported once; what follows is dropped.

@@ -17,7 +17,7 @@ namespace {
 
 constexpr mode_t kMode = 0666;  // less the process's umask
 
-std::string reason(int error) {
+std::string text_of_error(int error) {
   return std::generic_category().message(error);
 }
 
@@ -28,8 +28,8 @@ RecordingFile::RecordingFile(std::filesystem::path path, TellTrouble tell)
       tell_(std::move(tell)),
       descriptor_(::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode)) {
   if (!descriptor_.open()) {
-    throw drivers::EndpointError(
-        fmt::format("the recording {}: cannot be written: {}", path_.string(), reason(errno)));
+    throw drivers::EndpointError(fmt::format("the recording {}: cannot be written: {}",
+                                             path_.string(), text_of_error(errno)));
   }
 }
 
@@ -57,7 +57,7 @@ bool RecordingFile::write(std::span<const std::uint8_t> bytes) {
   static_cast<void>(::ftruncate(descriptor_.get(), end) == 0 &&
                     ::lseek(descriptor_.get(), end, SEEK_SET) == end);
   if (!std::exchange(troubled_, true)) {
-    tell_(fmt::format("{} loses what passes: {}", path_.string(), reason(error)), false);
+    tell_(fmt::format("{} loses what passes: {}", path_.string(), text_of_error(error)), false);
   }
   return false;
 }

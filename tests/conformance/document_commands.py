@@ -52,9 +52,9 @@ COMMANDS = [
     (r"scripts/build\.sh .*", BUILDS, None, None),
     (r"cmake --install build .*", "tests/install does so, to a folder of its own", None, None),
     # Verbs.
-    (r"cp configs/rigs/excavator_pit\.yaml configs/rigs/my_rig\.yaml", "ends", None, None),
-    (r"build/rigwire check my_rig --print", "ends", None, "devices:"),
-    (r"build/rigwire run my_rig --(duration 1min --report report\.json|clock free --duration 10min)",
+    (r"cp configs/rigs/excavator_pit\.yaml my_rig\.yaml", "ends", None, None),
+    (r"build/rigwire check my_rig\.yaml --print", "ends", None, "devices:"),
+    (r"build/rigwire run my_rig\.yaml --(duration 1min --report report\.json|clock free --duration 10min)",
      "goes on", None, None),
     (r"build/rigwire describe gnss", "ends", None, "UBX"),
     (r"build/rigwire doctor", "ends", None, None),
@@ -125,7 +125,7 @@ COMMANDS = [
     (r"(usbip|modprobe|evtest)( .*)?", ROOT, None, None),
     (r"scripts/lidar-namespace\.sh run bash|build/rigwire run my_rig\.yaml &|ros2 .*"
      r"|curl http://192\.168\.1\.201/.*", "lidar_namespace_test.cpp runs this recipe", None, None),
-    (r"(build/)?rigwire (ctl unix:/tmp/control .*|run (excavator_pit|my_rig) --clock step --control .*)",
+    (r"(build/)?rigwire (ctl unix:/tmp/control .*|run (excavator_pit|my_rig\.yaml) --clock step --control .*)",
      "control_process_test.cpp governs a run", None, None),
     (r"build/rigwire bench.*", LONG, None, None),
     (r"build/(bench/rigwire_benchmarks|oracle_bench)", LONG, None, None),

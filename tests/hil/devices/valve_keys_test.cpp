@@ -55,6 +55,42 @@ TEST_F(ValveKeys, a_section_named_twice_is_refused) {
   EXPECT_THAT(complaints("{type: valve-driver, sections: [boom, boom]}"), HasSubstr("\"boom\""));
 }
 
+TEST_F(ValveKeys, a_watchdog_that_the_map_overrules_is_refused_and_the_plan_has_the_effective_one) {
+  std::ofstream(wires_.folder / "map.yaml") << R"(name: own
+registers:
+  - {name: enable, table: holding, address: 0, access: write, signal: enable, range: [0, 1]}
+  - {name: watchdog, table: holding, address: 1, access: write, signal: watchdog, unit: ms,
+     initial: 500}
+  - {name: set_point, table: holding, address: 10, count: 3, access: write, signal: command,
+     unit: "%", range: [-100, 100], format: s16, initial: 0}
+)";
+  EXPECT_THAT(complaints("{type: valve-driver, map: map.yaml, watchdog: 300 ms}"),
+              AllOf(HasSubstr("devices.valves.watchdog: has no effect"), HasSubstr("500 ms")));
+  EXPECT_EQ(complaints("{type: valve-driver, map: map.yaml}"), "");
+  EXPECT_EQ(complaints("{type: valve-driver, map: map.yaml, watchdog: 500 ms}"), "")
+      << "it says the same";
+  const LoadedRig rig = load_rig((wires_.folder / "rig.yaml").string(), {});
+  const auto& valves = rig.configuration.devices.at("valves");
+  EXPECT_THAT(fields::as<ValveDriverConfiguration>(valves)->plan(view_of(rig.configuration)).with,
+              HasSubstr("registers of own, 3 sections commanded, watchdog 500 ms"));
+}
+
+TEST_F(ValveKeys, a_map_that_is_chosen_later_overrules_in_silence) {
+  std::ofstream(wires_.folder / "map.yaml") << R"(name: own
+registers:
+  - {name: enable, table: holding, address: 0, access: write, signal: enable, range: [0, 1]}
+  - {name: watchdog, table: holding, address: 1, access: write, signal: watchdog, unit: ms,
+     initial: 500}
+)";
+  EXPECT_EQ(complaints("{type: valve-driver, watchdog: 300 ms}"), "");
+  const std::string map = (wires_.folder / "map.yaml").string();
+  EXPECT_NO_THROW(
+      (void)load_rig((wires_.folder / "rig.yaml").string(), {"devices.valves.map=" + map}));
+  EXPECT_THROW((void)load_rig((wires_.folder / "rig.yaml").string(),
+                              {"devices.valves.map=" + map, "devices.valves.watchdog=200ms"}),
+               ConfigurationError);
+}
+
 TEST_F(ValveKeys, a_machine_without_valves_is_refused) {
   EXPECT_THAT(complaints("{type: valve-driver}", "wheeled"), HasSubstr("no valve block"));
 }

@@ -146,12 +146,51 @@ TEST_F(HeightMapFile, WithoutPlaceOrKnownSystemGeoreferencingIsRefused) {
   expect_refused("EPSG 31466");
 }
 
-TEST_F(HeightMapFile, DegreesBecomeMetresWhereTheyAreSquare) {
-  // At the equator a degree of longitude and of latitude differ by 0.7 %.
-  write(".tif", tiff(kColumns, kRows, 32, 3, little_endian(ramp<float>()),
-                     {doubles(33550, {1e-4, 1e-4, 0.0}), doubles(33922, {0, 0, 0, 7.75, 49.43, 0}),
+// One arc second a pixel both ways, as the elevation models of the world have it: 20.15 m by 30.89
+// m.
+TEST_F(HeightMapFile, DegreesBecomeSquareCellsOfMetres) {
+  map.place = sim::HeightMapPlace::georeferenced;
+  constexpr double kArcSecond = 1.0 / 3600.0;
+  constexpr std::uint32_t kSide = 61;
+  std::vector<float> heights;  // rises 0.2 m a pixel to the east, falls 0.1 m a pixel to the south
+  for (std::uint32_t r = 0; r < kSide; ++r) {
+    for (std::uint32_t c = 0; c < kSide; ++c) {
+      heights.push_back(100.0F - 0.1F * static_cast<float>(r) + 0.2F * static_cast<float>(c));
+    }
+  }
+  // The middle of the middle pixel is the rig's origin.
+  write(".tif", tiff(kSide, kSide, 32, 3, little_endian(heights),
+                     {doubles(33550, {kArcSecond, kArcSecond, 0.0}),
+                      doubles(33922, {0, 0, 0, kOrigin.longitude_deg - 30.5 * kArcSecond,
+                                      kOrigin.latitude_deg + 30.5 * kArcSecond, 0}),
                       shorts(34735, {1, 1, 0, 1, 2048, 0, 1, 4326})}));
-  expect_refused("its pixels measure 7.2");
+  const auto field = load();
+  EXPECT_NEAR(field->cell_m, 20.15, 0.01);
+  const auto height = [&](double east_m, double north_m) {
+    const double c = (east_m - field->origin_m.x()) / field->cell_m;
+    const double r = (north_m - field->origin_m.y()) / field->cell_m;
+    const auto c0 = static_cast<std::size_t>(c);
+    const auto r0 = static_cast<std::size_t>(r);
+    const double right = c - static_cast<double>(c0);
+    const double up = r - static_cast<double>(r0);
+    return (1 - up) * ((1 - right) * field->node(c0, r0) + right * field->node(c0 + 1, r0)) +
+           up * ((1 - right) * field->node(c0, r0 + 1) + right * field->node(c0 + 1, r0 + 1));
+  };
+  EXPECT_NEAR(height(0.0, 0.0), 103.0, 0.01);
+  // Ten seconds of arc to the east, and to the north, by the lengths of WGS 84.
+  EXPECT_NEAR(height(201.46, 0.0), 105.0, 0.01);
+  EXPECT_NEAR(height(0.0, 308.92), 104.0, 0.01);
+  EXPECT_NEAR(height(-402.9, -617.8), 97.0, 0.02);
+}
+
+TEST_F(HeightMapFile, PixelsThatAreTooNarrowAreRefused) {
+  map.place = sim::HeightMapPlace::georeferenced;
+  write(".tif", tiff(kColumns, kRows, 32, 3, little_endian(ramp<float>()),
+                     {doubles(33550, {1e-9, 1e-3, 0.0}),
+                      doubles(33922, {0, 0, 0, kOrigin.longitude_deg - 2.5e-9,
+                                      kOrigin.latitude_deg + 2e-3, 0}),
+                      shorts(34735, {1, 1, 0, 1, 2048, 0, 1, 4326})}));
+  expect_refused("square cells");
 }
 
 TEST_F(HeightMapFile, GapsAreRefusedOrFilled) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -44,6 +46,92 @@ TEST(MeshFile, PolygonsBecomeTriangles) {
   const auto file = written("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
   EXPECT_EQ(load_mesh(file, "square").triangles.size(), 2U);
   std::filesystem::remove(file);
+}
+
+TEST(MeshFile, PolygonsOfPlyBecomeTrianglesInTextAndInBinary) {
+  const std::string rest =
+      "element vertex 4\nproperty float x\nproperty double y\nproperty float32 z\n"
+      "property uchar red\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "property list uchar float quality\nend_header\n";
+  const auto text =
+      written("square.ply", "ply\nformat ascii 1.0\ncomment by hand\n" + rest +
+                                "0 0 0 1\n2 0 0 1\n2 1 0 1\n\n0 1 0.5 1\n4 0 1 2 3 1 0.5\n");
+  std::string binary = "ply\nformat binary_big_endian 1.0\n" + rest;
+  const auto put = [&binary](auto value) {
+    std::array<char, sizeof(value)> bytes{};
+    std::memcpy(bytes.data(), &value, sizeof(value));
+    binary.append(bytes.rbegin(), bytes.rend());
+  };
+  for (const auto& [x, y, z] :
+       {std::array{0.0, 0.0, 0.0}, {2.0, 0.0, 0.0}, {2.0, 1.0, 0.0}, {0.0, 1.0, 0.5}}) {
+    put(static_cast<float>(x));
+    put(y);
+    put(static_cast<float>(z));
+    binary += '\1';
+  }
+  binary += '\4';
+  for (const std::int32_t corner : {0, 1, 2, 3}) {
+    put(corner);
+  }
+  binary += '\0';
+  const auto big = written("big.ply", binary);
+  for (const auto& file : {text, big}) {
+    const auto mesh = load_mesh(file, "square");
+    ASSERT_EQ(mesh.triangles.size(), 2U) << file;
+    EXPECT_EQ(mesh.vertices[3], Eigen::Vector3f(0.0F, 1.0F, 0.5F));
+    EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
+    const LoadedModel model = load_model(file, "square");
+    ASSERT_EQ(model.parts.size(), 1U);
+    EXPECT_EQ(model.parts.front().name, "square");
+    EXPECT_EQ(mesh_files(file), std::vector<std::string>{file.string()});
+    std::filesystem::remove(file);
+  }
+}
+
+TEST(MeshFile, APlyThatIsNoneIsRefusedWithItsPlace) {
+  const auto refusal = [](const std::string& content) -> std::string {
+    const auto file = written("bad.ply", content);
+    try {
+      (void)load_mesh(file, "bad");
+    } catch (const std::invalid_argument& error) {
+      std::filesystem::remove(file);
+      return error.what();
+    }
+    return "taken";
+  };
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_index\n";
+  const std::string three = "0 0 0\n1 0 0\n0 1 0\n";
+  EXPECT_THAT(refusal("nonsense\n"), HasSubstr("(line 1)"));
+  EXPECT_THAT(refusal(head), HasSubstr("ends early"));
+  EXPECT_THAT(refusal(head + "end_header\n" + three), HasSubstr("do not fit into the file"));
+  EXPECT_THAT(refusal(head + "end_header\n" + three + "3 0 1 3\n"),
+              HasSubstr("a face has vertex 3, allowed 0 to 2"));
+  EXPECT_THAT(refusal(head + "end_header\n" + three + "3 0 1 -1\n"), HasSubstr("found -1"));
+  EXPECT_THAT(refusal(head + "end_header\n" + three + "4000000 0 1\n"), HasSubstr("does not fit"));
+  EXPECT_THAT(refusal(head + "end_header\n0 0 zero\n"),
+              HasSubstr("no number, found \"zero\" (line 10)"));
+  EXPECT_THAT(
+      refusal("ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nend_header\n"),
+      HasSubstr("do not fit into the file"));
+  EXPECT_THAT(refusal("ply\nformat ascii 1.0\nproperty flout x\nend_header\n"),
+              HasSubstr("property"));
+}
+
+TEST(MeshFile, OtherFormatsAreRefusedByNameAndByContent) {
+  for (const char* name : {"mesh.3mf", "mesh.m3d", "mesh.bin", "mesh"}) {
+    const auto file = written(name, "anything");
+    EXPECT_THAT(
+        [&] { (void)load_mesh(file, "mesh"); },
+        ThrowsMessage<std::invalid_argument>(HasSubstr("allowed .gltf, .glb, .obj, .stl, .ply")));
+    std::filesystem::remove(file);
+  }
+  // A file of a format that is not read, under a name of one that is: found by its content it would
+  // be given to another reader.
+  const auto disguised = written("disguised.stl", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  EXPECT_THROW((void)load_mesh(disguised, "mesh"), std::invalid_argument);
+  std::filesystem::remove(disguised);
 }
 
 TEST(MeshFile, MissingFileIsNamed) {

@@ -16,6 +16,11 @@ set(RIGWIRE_INNER_LOOPS $<$<CONFIG:Release>:-O3>)
 # their names in anonymous namespaces must differ. clang-tidy reads each file alone, so that it finds
 # a missing include.
 option(RIGWIRE_UNITY "Compile the files of a folder together, some ten at a time" ON)
+if(RIGWIRE_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # GCC collects garbage from 1.5 GB on: a group takes a tenth less time, and scripts/build.sh starts no
+  # more than memory allows.
+  add_compile_options(--param=ggc-min-expand=400 --param=ggc-min-heapsize=1500000)
+endif()
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
@@ -59,20 +64,25 @@ endif()
 
 include(GNUInstallDirs)
 
-# rigwire_compile_together(<target> [BY_FOLDER]): puts the target's sources into groups that are
+# rigwire_compile_together(<target> [BY_FOLDER] [BYTES <count>]): puts the target's sources into groups that are
 # compiled as one, in the order of their paths. A group ends where a folder does once it is half full;
-# BY_FOLDER: in any case. Sources with options of their own, or with SKIP_UNITY_BUILD_INCLUSION, are
+# BY_FOLDER: in any case. BYTES: how large a group may be; larger where headers cost more than the
+# sources. Sources with options of their own, or with SKIP_UNITY_BUILD_INCLUSION, are
 # compiled alone.
 set(RIGWIRE_UNITY_BYTES 100000)
 function(rigwire_compile_together target)
-  cmake_parse_arguments(ARG "BY_FOLDER" "" "" ${ARGN})
+  cmake_parse_arguments(ARG "BY_FOLDER" "BYTES" "" ${ARGN})
   if(NOT RIGWIRE_UNITY)
     return()
+  endif()
+  set(most ${RIGWIRE_UNITY_BYTES})
+  if(ARG_BYTES)
+    set(most ${ARG_BYTES})
   endif()
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
   list(SORT sources)
-  math(EXPR half "${RIGWIRE_UNITY_BYTES} / 2")
+  math(EXPR half "${most} / 2")
   if(ARG_BY_FOLDER)
     set(half 0)
   endif()
@@ -84,7 +94,7 @@ function(rigwire_compile_together target)
     get_filename_component(own_folder ${path} DIRECTORY)
     file(SIZE ${path} size)
     math(EXPR filled "${bytes} + ${size}")
-    if(filled GREATER RIGWIRE_UNITY_BYTES OR (bytes GREATER half AND NOT own_folder STREQUAL folder))
+    if(filled GREATER most OR (bytes GREATER half AND NOT own_folder STREQUAL folder))
       math(EXPR group "${group} + 1")
       set(filled ${size})
     endif()
@@ -95,7 +105,7 @@ function(rigwire_compile_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# rigwire_library(<folder> [INTERNAL] [BY_FOLDER] SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
+# rigwire_library(<folder> [INTERNAL] [BY_FOLDER] [BYTES <count>] SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
 #
 # Declares one folder of the house as the static library rigwire_<folder> with the alias
 # rigwire::<folder>. Its headers are reachable as "<folder>/name.h", and only by targets that link
@@ -103,9 +113,9 @@ endfunction()
 # (docs/architecture.md, "One way through the house") does not compile.
 #
 # It is installed with its headers, as a component of the package rigwire (cmake/package.cmake);
-# INTERNAL: it is not. BY_FOLDER: as of rigwire_compile_together.
+# INTERNAL: it is not. BY_FOLDER, BYTES: as of rigwire_compile_together.
 function(rigwire_library folder)
-  cmake_parse_arguments(ARG "INTERNAL;BY_FOLDER" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL;BY_FOLDER" "BYTES" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   string(REPLACE "/" "_" name ${folder})
   set(include_root ${PROJECT_BINARY_DIR}/include/${name})
   get_filename_component(parent ${include_root}/${folder} DIRECTORY)
@@ -120,11 +130,14 @@ function(rigwire_library folder)
   target_compile_features(rigwire_${name} PUBLIC cxx_std_20)
   target_compile_options(rigwire_${name} PRIVATE ${RIGWIRE_WARNINGS})
   target_link_libraries(rigwire_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-  if(ARG_BY_FOLDER)
-    rigwire_compile_together(rigwire_${name} BY_FOLDER)
-  else()
-    rigwire_compile_together(rigwire_${name})
+  set(grouping "")
+  if(ARG_BYTES)
+    set(grouping BYTES ${ARG_BYTES})
   endif()
+  if(ARG_BY_FOLDER)
+    list(APPEND grouping BY_FOLDER)
+  endif()
+  rigwire_compile_together(rigwire_${name} ${grouping})
   if(NOT ARG_INTERNAL)
     set_target_properties(rigwire_${name} PROPERTIES EXPORT_NAME ${leaf})
     install(TARGETS rigwire_${name} EXPORT rigwire-${leaf} COMPONENT library
@@ -191,7 +204,7 @@ function(rigwire_test folder)
   endif()
   set(scheduled PROCESSORS=${RIGWIRE_PLACES})
   if(ARG_WAITS)
-    set(scheduled PROCESSORS=1 COST=60)  # they begin early: the last to end waits alone
+    set(scheduled PROCESSORS=1)
   endif()
   rigwire_list_tests(${folder}_tests $<$<BOOL:${ARG_EACH}>:--each> TIMEOUT=${test_seconds}
     ${scheduled} LABELS=${folder}$<$<BOOL:${ARG_QUICK}>:,quick>)

@@ -33,10 +33,10 @@ if [ ! -e "$directory/build.ninja" ] || { [ "$preset" = check ] && without_tests
     exit 1
   fi
 fi
-# A group of sources takes up to 2 GB: no more jobs than memory allows.
+# A group of sources takes up to 3 GB: no more jobs than memory allows.
 jobs=$(nproc)
 memory_gb=$(awk '/MemAvailable/ {print int($2 / 1000000)}' /proc/meminfo)
-if [ $((memory_gb / 2)) -lt "$jobs" ]; then jobs=$((memory_gb / 2)); fi
+if [ $((memory_gb / 3)) -lt "$jobs" ]; then jobs=$((memory_gb / 3)); fi
 if [ "$jobs" -lt 1 ]; then jobs=1; fi
 
 # What is to come, of a folder in which nothing was built yet. A step takes about 8 s of a processor.

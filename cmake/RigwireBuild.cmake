@@ -152,6 +152,9 @@ endfunction()
 # A test of ctest that computes takes a processor: so many places of `ctest -j`. One that waits for
 # other programs or for the clock takes one place. ./check gives as many places for each processor.
 set(RIGWIRE_PLACES 2)
+if(RIGWIRE_SANITIZE)
+  set(RIGWIRE_PLACES 1)  # there a live test computes, too
+endif()
 
 # rigwire_test(<folder> [EACH] [QUICK] [WAITS] [LINK <targets>] [SOURCES <files>])
 #

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -69,8 +70,24 @@ uid_t user_behind_sudo() {
   return user;
 }
 
+/// In a user namespace the owners that it does not map, root of the host among them, all have this
+/// number (user_namespaces(7), "Unmapped user and group IDs"). Nothing: every user is mapped.
+std::optional<uid_t> unmapped_user() {
+  constexpr std::uint64_t kEveryUser = 0xFFFFFFFF;
+  std::ifstream map("/proc/self/uid_map");
+  std::uint64_t inside = 0;
+  std::uint64_t outside = 0;
+  std::uint64_t count = 0;
+  uid_t number = 65534;
+  if (!(map >> inside >> outside >> count) || count == kEveryUser) {
+    return std::nullopt;
+  }
+  std::ifstream("/proc/sys/kernel/overflowuid") >> number;
+  return number;
+}
+
 bool is_trusted(uid_t user) {
-  return user == 0 || user == ::geteuid() || user == user_behind_sudo();
+  return user == 0 || user == ::geteuid() || user == user_behind_sudo() || user == unmapped_user();
 }
 
 /// Whether users whom nobody named could put another file in a folder in the place of one there. In

@@ -381,7 +381,7 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
 
 void HttpServer::State::admit_any(AnySocket socket) {
   if (sessions.size() >= settings.clients_max) {
-    // Who waits for an answer keeps its place, however long it takes.
+    // A client that waits for an answer keeps its place, however long it takes.
     const auto silent = std::ranges::min_element(
         sessions, {}, [](const auto& s) { return std::pair(s->waits_for_answer(), s->heard()); });
     if ((*silent)->waits_for_answer()) {

@@ -107,7 +107,7 @@ void NmeaLog::add_piece(std::chrono::nanoseconds at, std::span<const std::uint8_
       line_ = in_line_ ? std::string(1, c) : std::string();
       continue;
     }
-    // Bytes of a protocol that nobody knows here: no address has such letters.
+    // No address has such letters: bytes of another protocol.
     if (line_.size() < kAddress && c != ',' && std::isalnum(byte) == 0) {
       in_line_ = c == '$' || c == '!';
       line_ = in_line_ ? std::string(1, c) : std::string();

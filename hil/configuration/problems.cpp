@@ -26,7 +26,7 @@ std::string Location::line_text() const {
 
 namespace {
 
-/// Of what a file has, as much as says what it is.
+/// Returns the begin of a long text with its size, so that a message stays short.
 std::string cut(const std::string& text) {
   constexpr std::size_t kMaxShown = 1000;
   return text.size() <= kMaxShown

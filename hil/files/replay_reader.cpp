@@ -267,7 +267,7 @@ class CandumpReader final : public ReplayReader {
   [[nodiscard]] bool truncated() const override { return truncated_; }
 
  private:
-  /// Of text behind the interface's name that is no classic frame.
+  /// Returns what a text behind the interface's name is that is no classic frame.
   static std::string kind_of_line(std::string_view text) {
     constexpr std::uint32_t kErrorFlag = 0x2000'0000;
     const std::size_t mark = std::min(text.find('#'), text.size());

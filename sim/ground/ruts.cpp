@@ -20,6 +20,11 @@ std::int32_t cell_of(double coordinate_m) {
   return static_cast<std::int32_t>(std::floor(coordinate_m / Ruts::kCell_m));
 }
 
+/// Of a cell within the depths of its page, row by row; a page has 16 by 16 cells.
+std::size_t cell_within_page(std::int32_t column, std::int32_t row) {
+  return static_cast<std::size_t>(row & 15) * 16 + static_cast<std::size_t>(column & 15);
+}
+
 }  // namespace
 
 Ruts::Ruts(std::size_t pages)
@@ -71,9 +76,7 @@ Ruts::Page& Ruts::take(std::int32_t column, std::int32_t row) {
 double Ruts::cell_depth_m(std::int32_t column, std::int32_t row) const {
   // Arithmetic shift and mask: floor and remainder by 16, also below 0.
   const std::uint32_t at = find(column >> 4, row >> 4);
-  return at == kNone ? 0.0
-                     : static_cast<double>(pages_[at].depth_m[static_cast<std::size_t>(
-                           (row & 15) * kSide + (column & 15))]);
+  return at == kNone ? 0.0 : static_cast<double>(pages_[at].depth_m[cell_within_page(column, row)]);
 }
 
 double Ruts::depth_m(const Eigen::Vector2d& p_W) const {
@@ -114,7 +117,7 @@ void Ruts::press(const Eigen::Vector2d& p_W, const Eigen::Vector2d& forward, dou
       if (page == nullptr || page->column != column >> 4 || page->row != row >> 4) {
         page = &take(column >> 4, row >> 4);
       }
-      float& cell = page->depth_m[static_cast<std::size_t>((row & 15) * kSide + (column & 15))];
+      float& cell = page->depth_m[cell_within_page(column, row)];
       cell = std::max(cell, depth);
     }
   }
@@ -128,7 +131,7 @@ void Ruts::forget(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m
     for (std::int32_t column = cell_of(lower_m.x()); column <= cell_of(upper_m.x()); ++column) {
       const std::uint32_t at = find(column >> 4, row >> 4);
       if (at != kNone) {
-        pages_[at].depth_m[static_cast<std::size_t>((row & 15) * kSide + (column & 15))] = 0.0F;
+        pages_[at].depth_m[cell_within_page(column, row)] = 0.0F;
       }
     }
   }

@@ -130,7 +130,7 @@ ColourTexture::Level ColourTexture::coarser(const Level& fine) {
       Texel& mean = level.texels.emplace_back();
       for (std::size_t band = 0; band < 3; ++band) {
         const double value = counts > 0.0 ? counted[band] / counts : plain[band];
-        mean[band] = static_cast<std::uint16_t>(value + 0.5);
+        mean[band] = static_cast<std::uint16_t>(std::lround(value));
       }
       mean[3] = static_cast<std::uint16_t>(
           counts > 0.0 ? std::max(1.0, std::min(counts + 0.5, 65535.0)) : 0.0);

@@ -78,7 +78,7 @@ std::pair<GroundPoint, double> from_above(const Ground& ground, const Vector& p)
 std::pair<GroundPoint, double> from_outside(const Ground& ground, std::array<Vector, 2> outside,
                                             const Vector& p) {
   constexpr double kApart_m = 0.05;
-  const std::pair<GroundPoint, double> found = from_above(ground, p);
+  std::pair<GroundPoint, double> found = from_above(ground, p);
   const auto above = [&](const Vector& q) { return q.z() > ground.height_m(q.x(), q.y()); };
   const auto* const start = std::ranges::find_if(outside, above);
   if (start == outside.end()) {

@@ -43,7 +43,8 @@ FIGURES = "draws the figures of a benchmark that is not run here"
 #   "goes on" until it is interrupted
 #   else     why it is not run
 # Beside: a rig by name, and a field program that has its lines open.
-PIT = ("excavator_pit", "dig_cycle")
+# It goes on where a busy host kept the lidar silent for half a second.
+PIT = ("excavator_pit", "dig_cycle --wait")
 UNIMOG = ("unimog_forest", "path_follow --path configs/paths/forest_track.csv --antenna 3.2,0")
 GATOR = ("gator_campus", "path_follow --gnss /tmp/rigwire/starfire --gnss-baud 19200 "
          "--path configs/paths/campus.csv --antenna 0.4,0 --gear 2")

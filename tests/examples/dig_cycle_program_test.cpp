@@ -148,6 +148,7 @@ TEST_F(DigCycleProgram, InterruptLeavesNeutralDisabledValves) {
 
 // What waits to be read when the program is run again is no sensor's silence.
 TEST_F(DigCycleProgram, AProgramThatWasHeldUpBlamesNoSensor) {
+  rig.wait_for_client(false);
   start({});
   ASSERT_TRUE(until([&] { return working(); })) << messages();
   ::kill(child, SIGSTOP);
@@ -202,7 +203,10 @@ TEST_P(DigCycleSilence, WithWaitHoldsNeutralAndResumes) {
   start({"--wait"});
   ASSERT_TRUE(until([&] { return working(); })) << messages();
   which.set(rig.mute, true);
-  ASSERT_TRUE(until([&] { return rig.neutral() && !rig.valves().enabled(); })) << messages();
+  const std::string silent = std::string(which.name) + " is silent";
+  ASSERT_TRUE(until([&] {
+    return messages().find(silent) != std::string::npos && rig.neutral() && !rig.valves().enabled();
+  })) << messages();
   (void)until([] { return false; }, 300ms);  // what was commanded before is still carried out
   const PerJoint held = rig.angles_rad();
   (void)until([] { return false; }, 300ms);

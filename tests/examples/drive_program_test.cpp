@@ -181,6 +181,7 @@ TEST_F(DriveProgramProcess, InterruptBrakesAndParks) {
 
 // What waits to be read when the program is run again is no device's silence.
 TEST_F(DriveProgramProcess, AProgramThatWasHeldUpBlamesNoDevice) {
+  rig.wait_for_client(false);
   start("path_follow", {"--path", path(), "--speed", "1"});
   ASSERT_TRUE(until([&] { return rig.moving(); })) << messages();
   ::kill(child, SIGSTOP);

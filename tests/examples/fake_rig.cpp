@@ -39,7 +39,11 @@ FakeRig::FakeRig(std::filesystem::path directory)
   gnss_.start([](std::span<const std::uint8_t>) {});
   can_.start([](const protocols::can::Frame&) {});
   server_.start({.connected = [this](auto id) { modbus_.connected(now(), id); },
-                 .received = [this](auto id, auto bytes) { modbus_.receive(now(), id, bytes); },
+                 .received =
+                     [this](auto id, auto bytes) {
+                       clock_.heard();
+                       modbus_.receive(now(), id, bytes);
+                     },
                  .disconnected = [this](auto id) { modbus_.disconnected(now(), id); }});
 }
 
@@ -51,17 +55,6 @@ std::vector<std::string> FakeRig::arguments() const {
           "--lidar-port",  std::to_string(lidar_port_),
           "--modbus",      "127.0.0.1:" + std::to_string(server_.port()),
           "--lidar-mount", "0.5,0,3.4,0,0"};
-}
-
-SimTime FakeRig::now() const {
-  // Where this process was held up, the machine stood: a program finds no jump.
-  constexpr auto kLongestTurn = 100ms;
-  const auto present = std::chrono::steady_clock::now();
-  if (const auto lag = present - looked_ - kLongestTurn; lag > 0ms) {
-    started_ += lag;
-  }
-  looked_ = present;
-  return kStart + std::chrono::duration_cast<Duration>(present - started_);
 }
 
 void FakeRig::send(emulators::ConnectionId connection, SimTime /*due*/,

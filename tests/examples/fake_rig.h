@@ -5,7 +5,6 @@
 
 #include <array>
 #include <boost/asio/io_context.hpp>
-#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,6 +18,7 @@
 #include "drivers/udp_socket.h"
 #include "emulators/modbus/modbus_server.h"
 #include "emulators/valve_driver/valve_driver.h"
+#include "rig_clock.h"
 
 namespace rigwire::dig_cycle {
 
@@ -44,6 +44,8 @@ class FakeRig : private emulators::StreamOutput {
     bool transducers = false;
   };
   Mute mute;
+  /// Whether the machine stands while its program is held up.
+  void wait_for_client(bool on) { clock_.waits_for_client = on; }
 
   [[nodiscard]] const emulators::ValveDriver& valves() const { return valves_; }
   [[nodiscard]] const PerJoint& angles_rad() const { return angles_rad_; }
@@ -56,7 +58,7 @@ class FakeRig : private emulators::StreamOutput {
   void send(emulators::ConnectionId connection, SimTime due,
             std::span<const std::uint8_t> bytes) override;
   void close(emulators::ConnectionId connection, SimTime due) override;
-  [[nodiscard]] SimTime now() const;
+  [[nodiscard]] SimTime now() const { return clock_.now(); }
   void step();
   void send_imus();
   void send_lidar();
@@ -72,8 +74,7 @@ class FakeRig : private emulators::StreamOutput {
   drivers::TcpServer server_;
   emulators::ModbusServer modbus_{{}, *this};
   emulators::ValveDriver valves_{{}};
-  mutable std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
-  mutable std::chrono::steady_clock::time_point looked_ = started_;  ///< When `now` was last asked.
+  mutable test::RigClock clock_;
   std::uint64_t steps_ = 0;
   PerJoint angles_rad_{0.2, 30.0 * kDegree, -90.0 * kDegree, 0.0};
   PerJoint rates_radps_{};

@@ -59,7 +59,10 @@ VehicleRig::VehicleRig(std::filesystem::path directory, Kind kind)
   }
   plant.speed_lag_s = 0.3;
   gnss_.start([](std::span<const std::uint8_t>) {});
-  can_.start([this](const protocols::can::Frame& frame) { gateway_->receive(now(), frame); });
+  can_.start([this](const protocols::can::Frame& frame) {
+    clock_.heard();
+    gateway_->receive(now(), frame);
+  });
 }
 
 VehicleRig::~VehicleRig() = default;
@@ -72,17 +75,6 @@ std::vector<std::string> VehicleRig::arguments() const {
 
 std::vector<std::string> VehicleRig::lidar_arguments() const {
   return {"--lidar-port", std::to_string(lidar_port_)};
-}
-
-SimTime VehicleRig::now() const {
-  // Where this process was held up, the machine stood: a program finds no jump.
-  constexpr auto kLongestTurn = 100ms;
-  const auto present = std::chrono::steady_clock::now();
-  if (const auto lag = present - looked_ - kLongestTurn; lag > 0ms) {
-    started_ += lag;
-  }
-  looked_ = present;
-  return kStart + std::chrono::duration_cast<Duration>(present - started_);
 }
 
 void VehicleRig::send(SimTime /*due*/, const protocols::can::Frame& frame) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "drivers/udp_socket.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "field/geometry.h"
+#include "rig_clock.h"
 #include "vehicle_plant.h"
 
 namespace rigwire::field {
@@ -46,6 +46,8 @@ class VehicleRig : private emulators::FrameOutput {
   };
   std::optional<Trunk> trunk;
   Mute mute;
+  /// Whether the machine stands while its program is held up.
+  void wait_for_client(bool on) { clock_.waits_for_client = on; }
   bool differential = false;  ///< Of the receiver's positions.
   VehiclePlant plant;
 
@@ -58,7 +60,7 @@ class VehicleRig : private emulators::FrameOutput {
 
  private:
   void send(SimTime due, const protocols::can::Frame& frame) override;
-  [[nodiscard]] SimTime now() const;
+  [[nodiscard]] SimTime now() const { return clock_.now(); }
   void step();
   void obey(const VehicleCommand& command);
   [[nodiscard]] VehicleSample sample() const;
@@ -76,8 +78,7 @@ class VehicleRig : private emulators::FrameOutput {
   drivers::UdpSocket lidar_;
   std::unique_ptr<emulators::VehicleGateway> gateway_;
   LocalPlane plane_{{49.4247, 7.7517}};
-  mutable std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
-  mutable std::chrono::steady_clock::time_point looked_ = started_;  ///< When `now` was last asked.
+  mutable test::RigClock clock_;
   std::uint64_t steps_ = 0;
   int gear_ = 0;
   bool parking_brake_ = true;

@@ -292,10 +292,11 @@ struct Truth {
 
 TEST_F(RigProcess, DigCycleKnowsFromTheWiresWhereTheMachineIs) {
   ChildProcess rig(command({"--truth", file("truth.jsonl").string()}), file("rig.log"));
+  // It goes on where a busy host kept a sensor silent.
   ChildProcess field({RIGWIRE_BINARY_DIR "/dig_cycle", "--gnss", wires_.gnss(), "--can",
                       wires_.can(), "--lidar-port", std::to_string(wires_.lidar_port), "--modbus",
-                      "127.0.0.1:" + std::to_string(wires_.modbus_port), "--cycles", "1", "--log",
-                      file("belief.jsonl").string()},
+                      "127.0.0.1:" + std::to_string(wires_.modbus_port), "--wait", "--cycles", "1",
+                      "--log", file("belief.jsonl").string()},
                      file("field.log"));
   ASSERT_EQ(field.wait(), 0) << field.output() << rig.output();
   rig.signal(SIGINT);

@@ -113,6 +113,108 @@ std::optional<YAML::Mark> second_document(const std::string& text) {
   return parser.HandleNextDocument(marks) ? std::optional(marks.mark()) : std::nullopt;
 }
 
+/// Why a text is no request.
+struct RequestFault {
+  YAML::Mark mark;
+  std::string what;
+  std::string found;
+  std::string allowed;
+};
+
+/// Receives the events of a request's text, of which nothing is kept, and throws RequestFault at
+/// the first that is beyond the bounds of a request.
+class RequestBounds final : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { add(mark, anchor); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t /*anchor*/) override { refuse_alias(mark); }
+  void OnScalar(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
+                const std::string& /*value*/) override {
+    add(mark, anchor);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value /*style*/) override {
+    add(mark, anchor);
+    enter(mark, false);
+  }
+  void OnSequenceEnd() override { leave(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value /*style*/) override {
+    add(mark, anchor);
+    enter(mark, true);
+  }
+  void OnMapEnd() override { leave(); }
+
+ private:
+  /// A list or a map that is open.
+  struct Level {
+    bool is_map = false;
+    bool key_is_next = false;  ///< Of a map.
+  };
+
+  [[noreturn]] static void refuse_alias(const YAML::Mark& mark) {
+    throw RequestFault{mark, "an anchor or an alias in a request", "& or *",
+                       "values that are written out"};
+  }
+  [[noreturn]] static void refuse_size(const YAML::Mark& mark, const char* what,
+                                       std::size_t allowed) {
+    throw RequestFault{mark, fmt::format("the request has too many {}", what),
+                       fmt::format("more than {}", allowed), fmt::format("at most {}", allowed)};
+  }
+
+  void add(const YAML::Mark& mark, YAML::anchor_t anchor) {
+    if (anchor != YAML::NullAnchor) {
+      refuse_alias(mark);
+    }
+    if (!levels_.empty() && levels_.back().is_map) {
+      Level& map = levels_.back();
+      map.key_is_next = !map.key_is_next;
+      if (!map.key_is_next && ++keys_ > kMaximumRequestKeys) {
+        refuse_size(mark, "keys", kMaximumRequestKeys);
+      }
+    }
+    if (++nodes_ > kMaximumRequestNodes + keys_) {
+      refuse_size(mark, "values", kMaximumRequestNodes);
+    }
+  }
+  void enter(const YAML::Mark& mark, bool is_map) {
+    if (levels_.size() >= static_cast<std::size_t>(kMaximumRequestDepth)) {
+      refuse_size(mark, "levels", kMaximumRequestDepth);
+    }
+    levels_.push_back({is_map, is_map});
+  }
+  void leave() { levels_.pop_back(); }
+
+  std::vector<Level> levels_;
+  std::size_t nodes_ = 0;  ///< With keys.
+  std::size_t keys_ = 0;
+};
+
+/// Returns why the text is no request; nothing when it is within the bounds, or not YAML, which who
+/// parses it reports.
+std::optional<RequestFault> request_fault(const std::string& text) {
+  if (text.size() > kMaximumRequestBytes) {
+    return RequestFault{YAML::Mark::null_mark(), "the request is too long",
+                        fmt::format("{} bytes", text.size()),
+                        fmt::format("at most {} bytes", kMaximumRequestBytes)};
+  }
+  if (find_fault(text, TextShape::lines)) {
+    return std::nullopt;
+  }
+  try {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    RequestBounds bounds;
+    parser.HandleNextDocument(bounds);
+  } catch (const RequestFault& fault) {
+    return fault;
+  } catch (const YAML::Exception&) {
+    return std::nullopt;
+  }
+  return std::nullopt;
+}
+
 /// What a file and all that it includes have come to, each alias counted as what it stands for.
 struct Extent {
   std::size_t max_nodes = kMaximumNodes;
@@ -443,6 +545,16 @@ Value parse_document(const std::string& text, const std::string& name, const std
 }
 
 Value parse_request(const std::string& text, const std::string& name, Problems& problems) {
+  if (const auto fault = request_fault(text)) {
+    const auto source = std::make_shared<const std::string>(name);
+    const bool placed = !fault->mark.is_null();
+    Value nothing;
+    nothing.kind = Value::Kind::map;
+    nothing.where =
+        Location{source, placed ? fault->mark.line + 1 : 0, placed ? fault->mark.column + 1 : 0};
+    problems.add({nothing.where, "", fault->what, fault->found, fault->allowed, ""});
+    return nothing;
+  }
   Extent extent;
   extent.may_include = false;
   extent.max_nodes = kMaximumRequestNodes;

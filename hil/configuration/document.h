@@ -48,10 +48,14 @@ inline constexpr std::size_t kMaximumFileBytes = 16u << 20;
 inline constexpr std::size_t kMaximumNodes = 1'000'000;  ///< With those of included files.
 inline constexpr std::size_t kMaximumBytes = 64u << 20;  ///< Of keys and values, likewise.
 inline constexpr int kMaximumDepth = 64;
-inline constexpr std::size_t kMaximumRequestNodes = 10'000;
-inline constexpr std::size_t kMaximumRequestBytes = 1u << 20;
 inline constexpr std::size_t kMaximumIncludeDepth = 8;
 inline constexpr std::size_t kMaximumIncludes = 1000;  ///< Each counted as often as it is read.
+
+/// Bounds of a request, so that what it costs to apply is bounded, too (hil/control/desk.h).
+inline constexpr std::size_t kMaximumRequestBytes = 64u << 10;  ///< Of its text.
+inline constexpr std::size_t kMaximumRequestNodes = 1024;       ///< Values, lists and maps.
+inline constexpr std::size_t kMaximumRequestKeys = 256;         ///< In all of its maps together.
+inline constexpr int kMaximumRequestDepth = 16;
 
 /// Reads a file and everything it includes, in a time that grows with their size. What is not UTF-8
 /// or has control characters, syntax errors, duplicate keys, keys that are no scalars, missing,
@@ -64,7 +68,8 @@ inline constexpr std::size_t kMaximumIncludes = 1000;  ///< Each counted as ofte
                                    const std::string& folder, Problems& problems);
 
 /// The same of text by somebody who need not be allowed to read this user's files: an `include` in
-/// it is a problem, and no file is looked at.
+/// it is a problem, and no file is looked at. A text beyond the bounds of a request, and one with
+/// an anchor or an alias, is a problem before any tree is made of it.
 [[nodiscard]] Value parse_request(const std::string& text, const std::string& name,
                                   Problems& problems);
 

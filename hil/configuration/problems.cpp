@@ -24,26 +24,21 @@ std::string Location::line_text() const {
   return line == 0 ? *source : fmt::format("{}:{}", *source, line);
 }
 
-namespace {
-
-/// Returns the begin of a long text with its size, so that a message stays short.
-std::string cut(const std::string& text) {
+std::string shortened(const std::string& text) {
   constexpr std::size_t kMaxShown = 1000;
   return text.size() <= kMaxShown
              ? text
              : text.substr(0, kMaxShown) + fmt::format("... ({} bytes)", text.size());
 }
 
-}  // namespace
-
 std::string Problem::line() const {
   std::string text = where.text() + ": ";
   if (!path.empty()) {
-    text += cut(path) + ": ";
+    text += shortened(path) + ": ";
   }
   text += what;
   if (!found.empty()) {
-    text += ", found " + cut(found);
+    text += ", found " + shortened(found);
   }
   if (!allowed.empty()) {
     text += ", allowed " + allowed;

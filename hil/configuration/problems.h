@@ -35,6 +35,10 @@ struct Location {
   [[nodiscard]] std::string line_text() const;
 };
 
+/// Returns the begin of a long text with its size, so that a message stays short; a text of at most
+/// 1000 bytes whole.
+[[nodiscard]] std::string shortened(const std::string& text);
+
 /// One finding. Empty parts are left out of the line.
 struct Problem {
   Location where;

@@ -34,10 +34,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::string nearest_word(std::string_view word, std::span<const std::string> known) {
   std::string best;
   std::size_t best_distance = 0;
+  if (word.size() > kMaxSuggestedFor) {
+    return best;
+  }
   for (const std::string& candidate : known) {
     const std::size_t longer = std::max(word.size(), candidate.size());
     const std::size_t limit = std::max<std::size_t>(1, (longer + 1) / 3);
-    std::size_t distance = edit_distance(word, candidate);
+    const std::size_t shorter = std::min(word.size(), candidate.size());
+    // The lengths alone can say that the distance is beyond the limit.
+    std::size_t distance =
+        longer - shorter > limit ? longer - shorter : edit_distance(word, candidate);
     const bool beginning = word.size() >= 3 && candidate.size() >= 3 &&
                            (candidate.starts_with(word) || word.starts_with(candidate));
     if (beginning) {

@@ -27,6 +27,11 @@ namespace {
 constexpr std::chrono::microseconds kWiresTurn{100};
 constexpr std::chrono::microseconds kTruthTurn{500};
 
+// For how long clients are served before the loop goes on, of wall time. A paced run has deadlines;
+// a free one only has to move on.
+constexpr std::chrono::microseconds kServedPaced{200};
+constexpr std::chrono::milliseconds kServedFree{2};
+
 /// The hand-over of sample batches from the thread that computes truth to the thread that owns the
 /// devices: a ring of reused slots, bounded, so that truth never runs further ahead than the ring.
 /// First in, first out. The ring owns the slots; a pointer to one holds until publish() or
@@ -480,6 +485,12 @@ void Executive::wait_for(const ClientPatience& clients) {
   }
 }
 
+void Executive::serve(std::chrono::nanoseconds at_most) {
+  const auto until = std::chrono::steady_clock::now() + at_most;
+  while (io_.poll_one() != 0 && std::chrono::steady_clock::now() < until) {
+  }
+}
+
 RunOutcome Executive::run_free(SimTime end, const ClientPatience& clients) {
   io_.restart();
   const auto keep_waiting = boost::asio::make_work_guard(io_);
@@ -513,7 +524,7 @@ RunOutcome Executive::run_free(SimTime end, const ClientPatience& clients) {
     }
     run_events(std::min({frontier_, end, late_ ? late_->next_asked() : kNever}));
     transmit_due(now_);
-    io_.poll();
+    serve(kServedFree);
     if (clients.taken) {
       wait_for(clients);
     }
@@ -579,7 +590,7 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     while (!woken_ && !stopped_) {
       io_.run_one();
     }
-    io_.poll();
+    serve(kServedPaced);
   }
   // Who stopped it may have run devices further than their output had left.
   laps_.begin();

@@ -15,6 +15,9 @@
 // stop it at an instant of its own with everything before it done. Clients are still served then;
 // what they send arrives at that instant, and devices answer when time goes on.
 //
+// Clients. What they send is served between two turns of the loop for a bounded time: clients that
+// ask without end keep neither time nor a wire from moving on.
+//
 // Order. Events run in order of time, at equal instants in the order of add(); so do outlets, among
 // themselves, when the events up to that instant have run. Stations take samples and ask of the
 // truth in the order of their indices.
@@ -212,6 +215,8 @@ class Executive {
   void end_stall(const PacedSettings& settings);
   void report_overrun(const PacedSettings& settings, const Overrun& overrun);
   void wait_for(const ClientPatience& clients);
+  /// Runs the handlers of the io_context that are ready, at least one, until that time is over.
+  void serve(std::chrono::nanoseconds at_most);
 
   boost::asio::io_context& io_;
   TruthSource& truth_;

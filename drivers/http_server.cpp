@@ -1,5 +1,7 @@
 #include "drivers/http_server.h"
 
+#include <poll.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -22,6 +24,7 @@
 #include <boost/beast/websocket/stream.hpp>
 #include <cerrno>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -207,8 +210,10 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
         buffer_(server_->settings.header_bytes + kSlack) {}
 
   [[nodiscard]] std::chrono::steady_clock::time_point heard() const { return heard_; }
-  /// Whether its request is at the handler.
-  [[nodiscard]] bool waits_for_answer() const { return asked_; }
+  /// Whether its request is at the handler, and somebody waits for the answer.
+  [[nodiscard]] bool waits_for_answer() const { return asked_ && !sends_no_more_; }
+  /// Whether its client may have gone while its request is at the handler.
+  [[nodiscard]] bool may_have_gone() const { return asked_ && sends_no_more_; }
 
   void read_header() {
     parser_.emplace();
@@ -242,6 +247,8 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   static constexpr std::size_t kSlack = 4096;
   /// Bytes of a request that was refused, read on so that its sender sees the answer.
   static constexpr std::size_t kDrained = std::size_t{1} << 20U;
+  /// How often a connection is looked at while it waits for one answer.
+  static constexpr unsigned kMaxLooks = 8;
 
   [[nodiscard]] bool expects_continue() const {
     return beast::iequals(parser_->get()[http::field::expect], "100-continue") &&
@@ -290,6 +297,7 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
       return;
     }
     asked_ = true;
+    asked_as_ = server_->requests;
     server_->handler(
         asked,
         [self = weak_from_this(), version = request.version(), keep_alive = request.keep_alive(),
@@ -298,6 +306,42 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
             session->write(response, version, keep_alive, head);
           }
         });
+    if (asked_ && !ended_) {
+      looks_ = 0;
+      watch(AnySocket::wait_read);
+    }
+  }
+
+  /// Waits, beside the answer, for its client to go.
+  void watch(AnySocket::wait_type kind) {
+    watched_ = true;
+    stream_.socket().async_wait(
+        kind, [self = shared_from_this(), number = asked_as_](const error_code& error) {
+          // A later request of this connection has another number.
+          if (!error && self->asked_ && self->asked_as_ == number && !self->ended_ &&
+              !self->server_->stopped) {
+            self->look();
+          }
+        });
+  }
+
+  /// Something has happened at a connection that waits for an answer.
+  void look() {
+    const int descriptor = stream_.socket().native_handle();
+    pollfd state{descriptor, 0, 0};
+    char next = 0;
+    const auto size = ::recv(descriptor, &next, 1, MSG_PEEK | MSG_DONTWAIT);
+    const bool failed = size < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR;
+    if (failed || (::poll(&state, 1, 0) > 0 && (state.revents & (POLLHUP | POLLERR)) != 0)) {
+      end();
+      return;
+    }
+    sends_no_more_ = size == 0;
+    // Neither the end nor a next request is read here: only what ends the connection is news.
+    // Urgent bytes, which nobody reads, would be news for ever.
+    if (++looks_ < kMaxLooks) {
+      watch(size < 0 ? AnySocket::wait_read : AnySocket::wait_error);
+    }
   }
 
   void upgrade(http::request<http::string_body> request, const HttpRequest& asked) {
@@ -318,6 +362,11 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
 
   void write(const HttpResponse& response, unsigned version, bool keep_alive, bool head) {
     asked_ = false;
+    sends_no_more_ = false;
+    if (std::exchange(watched_, false)) {
+      error_code ignored;
+      stream_.socket().cancel(ignored);
+    }
     response_ = http::response<http::string_body>();
     response_.result(static_cast<unsigned>(response.status));
     response_.version(version);
@@ -374,6 +423,10 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   http::response<http::string_body> response_;
   std::array<char, 4096> drained_{};
   bool asked_ = false;
+  std::uint64_t asked_as_ = 0;  ///< Number of the request at the handler.
+  bool watched_ = false;        ///< The connection, while it waits.
+  unsigned looks_ = 0;
+  bool sends_no_more_ = false;  ///< What it asked was its last request, or it has gone.
   std::chrono::steady_clock::time_point heard_ = std::chrono::steady_clock::now();
   bool refused_ = false;
   bool ended_ = false;
@@ -382,8 +435,10 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
 void HttpServer::State::admit_any(AnySocket socket) {
   if (sessions.size() >= settings.clients_max) {
     // A client that waits for an answer keeps its place, however long it takes.
-    const auto silent = std::ranges::min_element(
-        sessions, {}, [](const auto& s) { return std::pair(s->waits_for_answer(), s->heard()); });
+    // One that may have gone is the first to lose it.
+    const auto silent = std::ranges::min_element(sessions, {}, [](const auto& s) {
+      return std::tuple(s->waits_for_answer(), !s->may_have_gone(), s->heard());
+    });
     if ((*silent)->waits_for_answer()) {
       return;  // the newcomer is closed
     }

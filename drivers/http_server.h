@@ -7,6 +7,11 @@
 // meanwhile. When all places are taken, a newcomer gets the place of the client that has been
 // silent longest and does not wait for an answer; when all wait for one, the newcomer is closed.
 //
+// A client that goes while it waits for an answer keeps no place: its connection is closed where
+// the system says that it has gone (a Unix socket that is closed, a TCP connection that is reset).
+// A TCP client that has closed looks like one that only sends no more and still reads: it gets its
+// answer, unless a newcomer needs its place before.
+//
 // The server itself answers what is not a request: 400 for what is no HTTP or has two Hosts, 413
 // for a body and 431 for a header beyond the limits; the connection ends then. "Expect:
 // 100-continue" is obeyed: a client that asks sends a body only when its length is within the

@@ -1,5 +1,8 @@
 #include "hil/control/commands.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "hil/configuration/reader.h"
@@ -46,6 +49,50 @@ void fold(Value& request, std::string_view key) {
   }
 }
 
+/// Reports words that are longer than a request may have.
+void check_words(const Value& value, const std::string& path, Problems& problems) {
+  const auto check = [&](const std::string& word, const Location& where) {
+    if (word.size() > kMaxRequestWord) {
+      problems.add(
+          {where, path, "too long", word, fmt::format("at most {} bytes", kMaxRequestWord), ""});
+    }
+  };
+  check(value.scalar, value.where);
+  for (const Value& item : value.items) {
+    check_words(item, path, problems);
+  }
+  for (const Value::Entry& entry : value.entries) {
+    check(entry.key, entry.where);
+    const bool is_folded = value.kind == Value::Kind::map &&
+                           entry.value.kind == Value::Kind::scalar && path.empty() &&
+                           std::ranges::count(kFoldedKeys, entry.key) != 0;
+    if (!is_folded) {
+      check_words(entry.value, path.empty() ? entry.key : path + "." + entry.key, problems);
+    }
+  }
+}
+
+/// Gives the map that verb, and no other.
+void set_verb(Value& request, std::string_view verb) {
+  std::erase_if(request.entries, [](const Value::Entry& entry) { return entry.key == "verb"; });
+  request.entries.push_back({"verb", request.where,
+                             Value{.kind = Value::Kind::scalar,
+                                   .scalar = std::string(verb),
+                                   .items = {},
+                                   .entries = {},
+                                   .where = request.where,
+                                   .folder = request.folder}});
+}
+
+/// Parses what a command holds as text.
+std::optional<Value> parse_keys(const std::string& text, const char* key, Problems& problems) {
+  Value keys = parse_request(text, key, problems);
+  if (problems.empty()) {
+    check_words(keys, key, problems);
+  }
+  return problems.empty() ? std::optional(std::move(keys)) : std::nullopt;
+}
+
 }  // namespace
 
 std::string json_text(const Value& document) {
@@ -53,18 +100,42 @@ std::string json_text(const Value& document) {
 }
 
 std::optional<Request> read_request(const std::string& text, const std::string& name,
-                                    Problems& problems) {
+                                    Problems& problems, std::string_view verb) {
   Origins origins;
   Value document = parse_request(text, name, problems);
   if (!problems.empty()) {
     return std::nullopt;  // and what is no text is not written as such
+  }
+  check_words(document, "", problems);
+  if (!problems.empty()) {
+    return std::nullopt;
+  }
+  if (!verb.empty() && document.kind == Value::Kind::map) {
+    set_verb(document, verb);
   }
   for (const std::string_view key : kFoldedKeys) {
     fold(document, key);
   }
   Request request;
   Reader(document, problems, origins).read(fields::Part::of(request));
-  return problems.empty() ? std::optional(request) : std::nullopt;
+  if (problems.empty()) {
+    if (auto* const begins = std::get_if<FaultAddCommand>(&request.command)) {
+      begins->keys = parse_keys(begins->fault, "fault", problems);
+    } else if (auto* const sets = std::get_if<SetCommand>(&request.command)) {
+      sets->keys = parse_keys(sets->set, "set", problems);
+    }
+  }
+  return problems.empty() ? std::optional(std::move(request)) : std::nullopt;
+}
+
+ParsedRequest parse_command(const std::string& text, const std::string& name,
+                            std::string_view verb) {
+  Problems problems;
+  ParsedRequest parsed{read_request(text, name, problems, verb), std::nullopt};
+  if (!parsed.request) {
+    parsed.wrong = problems.sorted().front();
+  }
+  return parsed;
 }
 
 void visit(fields::Visitor& v, RunUntilCommand& p) {

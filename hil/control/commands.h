@@ -76,6 +76,8 @@ struct FaultAddCommand {
 
   std::string on;     ///< Name of a device, "bus NAME" or "modbus NAME".
   std::string fault;  ///< Its keys as in a rig's file: "{type: jamming, for: 5 s}".
+  /// No key: what `fault` has been parsed to; nothing: it has not been.
+  std::optional<Value> keys{};
 };
 struct FaultClearCommand {
   static constexpr fields::Named kNamed{"fault_clear", "A fault ends, or will not begin."};
@@ -110,6 +112,8 @@ struct SetCommand {
 
   std::string on = "machine";  ///< Or "air", or a device.
   std::string set;             ///< "{boom: 0.5, swing: null}"; null lets go. "{rate: 5 Hz}"
+  /// No key: what `set` has been parsed to; nothing: it has not been.
+  std::optional<Value> keys{};
 };
 struct StopCommand {
   static constexpr fields::Named kNamed{"stop", "The run ends as at the end of its duration."};
@@ -150,9 +154,24 @@ inline constexpr std::array<std::string_view, 2> kFoldedKeys{"fault", "set"};
 /// JSON text of a document that is equal to it.
 [[nodiscard]] std::string json_text(const Value& document);
 
-/// A request from text, JSON or YAML, of whoever it comes; `name` stands for it in messages. What
-/// is wrong goes to `problems`, and nothing is returned.
+/// Bytes of the longest key or value of a request, but for a `fault` or `set` that is written as a
+/// text: the longest path of a file on Linux (PATH_MAX).
+inline constexpr std::size_t kMaxRequestWord = 4096;
+
+/// A request from text, JSON or YAML, of whoever it comes; `name` stands for it in messages, `verb`
+/// is the request's verb whatever the text says of it (empty: the text says it). What `fault` and
+/// `set` hold is parsed, too. What is wrong goes to `problems`, and nothing is returned.
 [[nodiscard]] std::optional<Request> read_request(const std::string& text, const std::string& name,
-                                                  Problems& problems);
+                                                  Problems& problems, std::string_view verb = {});
+
+/// What a text has come to: a request, or what is wrong with it. It shares nothing with its text
+/// and can be handed to another thread.
+struct ParsedRequest {
+  std::optional<Request> request;
+  std::optional<Problem> wrong;  ///< The first finding; set exactly when there is no request.
+};
+/// The same as read_request(), for who hands it on (Desk::carry_out_parsed()). From any thread.
+[[nodiscard]] ParsedRequest parse_command(const std::string& text, const std::string& name,
+                                          std::string_view verb = {});
 
 }  // namespace rigwire::hil

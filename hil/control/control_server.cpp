@@ -60,8 +60,8 @@ bool same(std::string_view found, std::string_view wanted) {
 
 /// What is served where; dispatch, refusals and the description are made of it.
 struct Door {
-  /// On the thread of the desk.
-  using Serve = void (*)(Desk& desk, const drivers::HttpRequest& request, Desk::Asker asker,
+  /// On the thread of the desk; `parsed` is the body of a POST.
+  using Serve = void (*)(Desk& desk, ParsedRequest parsed, Desk::Asker asker,
                          const drivers::HttpServer::Respond& respond);
 
   std::string_view method;
@@ -80,19 +80,19 @@ Desk::Answer answer_with(const drivers::HttpServer::Respond& respond) {
 
 constexpr std::array<Door, 5> kDoors{{
     {"POST", "/command", "A command of the run.", kJson, true,
-     [](Desk& desk, const auto& request, Desk::Asker asker, const auto& respond) {
-       desk.carry_out(request.body, "the request", answer_with(respond), asker);
+     [](Desk& desk, ParsedRequest parsed, Desk::Asker asker, const auto& respond) {
+       desk.carry_out_parsed(std::move(parsed), answer_with(respond), asker);
      }},
     {"GET", "/state", StateCommand::kNamed.text, kJson, true,
-     [](Desk& desk, const auto&, Desk::Asker, const auto& respond) {
+     [](Desk& desk, ParsedRequest, Desk::Asker, const auto& respond) {
        desk.carry_out(Request{StateCommand{}}, answer_with(respond));
      }},
     {"GET", "/read", ReadCommand::kNamed.text, kJson, true,
-     [](Desk& desk, const auto&, Desk::Asker, const auto& respond) {
+     [](Desk& desk, ParsedRequest, Desk::Asker, const auto& respond) {
        desk.carry_out(Request{ReadCommand{}}, answer_with(respond));
      }},
     {"GET", "/metrics", "Counters and lateness of the run.", kPrometheus, false,
-     [](Desk& desk, const auto&, Desk::Asker, const auto& respond) {
+     [](Desk& desk, ParsedRequest, Desk::Asker, const auto& respond) {
        respond({200, kPrometheus, desk.metrics(), {}, false});
      }},
     {"GET", "/openapi.json", "This description.", kJson, false, nullptr},
@@ -264,10 +264,14 @@ void ControlServer::serve(const drivers::HttpRequest& request,
     respond({200, kJson, control_api(), {}, false});
     return;
   }
-  desk_thread_.go([this, door, request, respond = desk_thread_.back(respond)] {
-    door->serve(desk_, request, endpoint_.path.empty() ? Desk::Asker::anybody : Desk::Asker::owner,
-                respond);
-  });
+  // Here, and not where the wires are.
+  ParsedRequest parsed =
+      door->method == "POST" ? parse_command(request.body, "the request") : ParsedRequest{};
+  desk_thread_.go(
+      [this, door, parsed = std::move(parsed), respond = desk_thread_.back(respond)]() mutable {
+        door->serve(desk_, std::move(parsed),
+                    endpoint_.path.empty() ? Desk::Asker::anybody : Desk::Asker::owner, respond);
+      });
 }
 
 namespace {

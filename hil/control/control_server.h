@@ -23,8 +23,12 @@
 // the server's own address then. The page may load nothing from elsewhere and runs no script but
 // those files (Content-Security-Policy).
 //
-// On the thread of its io_context, which with a dashboard is that of the stream; the desk may be on
-// another one. Clients that do not read are closed (drivers/http_server.h).
+// On the thread of its io_context, which in a run is not that of the wires: HTTP and the text of a
+// request are parsed there, and the desk, which is on the thread of the wires, is handed a bounded
+// structure. Requests reach the desk in the order in which they came, since one thread hands them
+// over; a client's next one is read when the one before is answered. Clients that do not read are
+// closed (drivers/http_server.h); one that goes while it waits for an answer gives its place up,
+// and what it asked for is done.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

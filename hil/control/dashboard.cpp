@@ -82,6 +82,65 @@ std::string json_of_yaml(const std::string& yaml) {
   return value.kind == Value::Kind::scalar ? json_of(value).dump() : std::string();
 }
 
+/// On the thread of the viewers.
+std::vector<StreamParameter> parameters_of(const std::vector<LiveChanges::Setting>& settings) {
+  std::vector<StreamParameter> all;
+  for (const LiveChanges::Setting& setting : settings) {
+    all.push_back({setting.on + "." + setting.key, json_of_yaml(setting.value)});
+  }
+  return all;
+}
+
+/// On the thread of the viewers. What is of one thing goes in one request, since its keys may only
+/// fit together.
+std::vector<ParameterRequest> parameter_requests(const std::vector<StreamParameter>& wanted,
+                                                 std::vector<std::string>& refused) {
+  if (wanted.size() > kMaximumRequestKeys) {
+    refused.push_back(fmt::format("found {} parameters, allowed at most {} at once", wanted.size(),
+                                  kMaximumRequestKeys));
+    return {};
+  }
+  std::map<std::string, Json> of_each;
+  for (const StreamParameter& one : wanted) {
+    const std::size_t dot = one.name.find('.');
+    if (dot == std::string::npos) {
+      refused.push_back("there is no parameter " + shortened(one.name));
+    } else {
+      of_each[one.name.substr(0, dot)][one.name.substr(dot + 1)] =
+          one.json.empty() ? Json(nullptr) : Json::parse(one.json);
+    }
+  }
+  std::vector<ParameterRequest> requests;
+  for (const auto& [on, keys] : of_each) {
+    requests.push_back({on, parse_command(Json{{"verb", "set"}, {"on", on}, {"set", keys}}.dump(
+                                              -1, ' ', false, Json::error_handler_t::replace),
+                                          "the parameters")});
+  }
+  return requests;
+}
+
+/// The text as a JSON object, or in `why` why it is none.
+std::optional<Json> json_object(std::string_view text, std::string& why) {
+  // To print it takes as much stack as it is deep.
+  bool too_deep = false;
+  Json json = Json::parse(
+      text,
+      [&too_deep](int depth, Json::parse_event_t /*event*/, Json& /*parsed*/) {
+        too_deep = too_deep || depth > kMaximumRequestDepth;
+        return !too_deep;
+      },
+      false);
+  if (too_deep) {
+    why = fmt::format("the request is nested deeper than {} levels", kMaximumRequestDepth);
+    return std::nullopt;
+  }
+  if (!json.is_object()) {
+    why = "the request is no JSON object";
+    return std::nullopt;
+  }
+  return json;
+}
+
 /// Why something was refused, in one sentence.
 std::string said(const Reply& reply) {
   const Json json = Json::parse(reply.json);
@@ -218,11 +277,20 @@ void Dashboard::serve(Desk& desk) {
   }
   offer_commands();
   viewers.offer({[this](const StreamParameters::Told& told) {
-                   desk_thread_.go([this, told = desk_thread_.back(told)] { told(parameters()); });
+                   const auto answer = [told](const std::vector<LiveChanges::Setting>& settings) {
+                     told(parameters_of(settings));
+                   };
+                   desk_thread_.go([this, answer = desk_thread_.back(answer)] {
+                     answer(desk_->changes().settings());
+                   });
                  },
                  [this](const auto& wanted, const auto& done) {
-                   desk_thread_.go([this, wanted, done = desk_thread_.back(done)] {
-                     set_parameters(wanted, done);
+                   std::vector<std::string> refused;
+                   auto requests = parameter_requests(wanted, refused);
+                   desk_thread_.go([this, requests = std::move(requests),
+                                    refused = std::move(refused),
+                                    done = desk_thread_.back(done)]() mutable {
+                     set_parameters(std::move(requests), std::move(refused), done);
                    });
                  }});
   if (duration_) {
@@ -239,21 +307,22 @@ void Dashboard::offer_commands() {
   for (StreamService& service : services_of(static_cast<Command*>(nullptr))) {
     service.call = [this, verb = service.name.substr(1)](std::string_view request,
                                                          const StreamService::Answer& answer) {
-      Json json = Json::parse(request, nullptr, false);
-      if (!json.is_object()) {
-        answer(false, "the request is no JSON object");
+      std::string why;
+      const auto json = json_object(request, why);
+      if (!json) {
+        answer(false, why);
         return;
       }
-      json["verb"] = verb;
       const auto replied = desk_thread_.back([answer](const Reply& reply) {
         const bool done = reply.outcome == Reply::Outcome::done;
         answer(done, done ? reply.json : said(reply));
       });
-      desk_thread_.go(
-          [this, replied, text = json.dump(-1, ' ', false, Json::error_handler_t::replace)] {
-            // Who has a port's token need not be this user.
-            desk_->carry_out(text, "the request", replied, Desk::Asker::anybody);
-          });
+      ParsedRequest parsed = parse_command(
+          json->dump(-1, ' ', false, Json::error_handler_t::replace), "the request", verb);
+      desk_thread_.go([this, replied, parsed = std::move(parsed)]() mutable {
+        // Who has a port's token need not be this user.
+        desk_->carry_out_parsed(std::move(parsed), replied, Desk::Asker::anybody);
+      });
     };
     stream_.viewers().add(std::move(service));
   }
@@ -292,35 +361,16 @@ void Dashboard::tick() {
   });
 }
 
-std::vector<StreamParameter> Dashboard::parameters() const {
-  std::vector<StreamParameter> all;
-  for (const LiveChanges::Setting& setting : desk_->changes().settings()) {
-    all.push_back({setting.on + "." + setting.key, json_of_yaml(setting.value)});
-  }
-  return all;
-}
-
-void Dashboard::set_parameters(const std::vector<StreamParameter>& wanted,
+void Dashboard::set_parameters(std::vector<ParameterRequest> requests,
+                               std::vector<std::string> refused,
                                const StreamParameters::Done& done) {
-  // What is of one thing goes in one request, since its keys may only fit together.
-  std::map<std::string, Json> of_each;
-  std::vector<std::string> refused;
-  for (const StreamParameter& one : wanted) {
-    const std::size_t dot = one.name.find('.');
-    if (dot == std::string::npos) {
-      refused.push_back("there is no parameter " + one.name);
-    } else {
-      of_each[one.name.substr(0, dot)][one.name.substr(dot + 1)] =
-          one.json.empty() ? Json(nullptr) : Json::parse(one.json);
-    }
-  }
-  for (const auto& [on, keys] : of_each) {
+  for (ParameterRequest& request : requests) {
     // Answered at once, as it has no instant of its own.
-    desk_->carry_out(
-        Json{{"verb", "set"}, {"on", on}, {"set", keys}}.dump(), "the parameters",
-        [&refused, &on = on](const Reply& reply) {
+    desk_->carry_out_parsed(
+        std::move(request.parsed),
+        [&refused, &on = request.on](const Reply& reply) {
           if (reply.outcome != Reply::Outcome::done) {
-            refused.push_back(on + ": " + said(reply));
+            refused.push_back(shortened(on) + ": " + said(reply));
           }
         },
         Desk::Asker::anybody);

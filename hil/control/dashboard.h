@@ -2,7 +2,8 @@
 // the desk. Every command of the desk is a service of the stream, what `set` can set are its
 // parameters, what `read` answers a channel, the viewers' transport bar pauses and paces.
 //
-// On the thread of the desk; viewers are on another one (hil/stream/run_stream.h).
+// On the thread of the desk; viewers are on another one (hil/stream/run_stream.h), where what they
+// send is parsed before it is handed over.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/control/commands.h"
 #include "hil/control/desk.h"
 #include "hil/control/page_files.h"
 #include "hil/executive/crossing.h"
@@ -23,6 +25,12 @@ namespace rigwire::hil {
 /// What a run's stream begins with.
 [[nodiscard]] StreamedRun streamed_run(const RigConfiguration& configuration,
                                        const std::string& session);
+
+/// What one `setParameters` of a viewer asks of one thing.
+struct ParameterRequest {
+  std::string on;
+  ParsedRequest parsed;
+};
 
 class Dashboard {
  public:
@@ -42,8 +50,8 @@ class Dashboard {
  private:
   void tick();
   void offer_commands();
-  [[nodiscard]] std::vector<StreamParameter> parameters() const;
-  void set_parameters(const std::vector<StreamParameter>& wanted,
+  /// `refused` and what else is refused goes to `done`.
+  void set_parameters(std::vector<ParameterRequest> requests, std::vector<std::string> refused,
                       const StreamParameters::Done& done);
   [[nodiscard]] std::string control_playback(const protocols::foxglove::PlaybackControl& control);
   /// Goes on to that instant, as a clock that steps can and a recording that is shown; else why

@@ -71,39 +71,46 @@ void Desk::carry_out(const Request& request, Answer answer) {
   queue_.insert(behind, {at, request.command, std::move(answer)});
 }
 
-std::optional<Request> Desk::read(const std::string& text, const std::string& name,
-                                  const Answer& answer) {
-  Problems problems;
-  if (auto request = read_request(text, name, problems)) {
-    return request;
+void Desk::carry_out_parsed(ParsedRequest parsed, Answer answer, Asker asker) {
+  if (!parsed.request) {
+    refuse(answer, Reply::Outcome::wrong, json_of(*parsed.wrong));
+    return;
   }
-  refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
-  return std::nullopt;
+  Request& request = *parsed.request;
+  if (run_.shown != nullptr && changes_the_run(request.command)) {
+    refuse(answer, Reply::Outcome::refused,
+           {{"what", "this run has been, nobody changes it"},
+            {"path", "verb"},
+            {"allowed", "seek, pause, resume, speed, run_until, step, wait and what only tells"}});
+    return;
+  }
+  if (queue_.size() >= kMaxQueued && kStart + request.at > executive_.now()) {
+    refuse(answer, Reply::Outcome::refused,
+           {{"what", "too many commands wait for their instant"},
+            {"path", "at"},
+            {"found", std::to_string(queue_.size())},
+            {"allowed", fmt::format("at most {}", kMaxQueued)}});
+    return;
+  }
+  if (auto* const record = std::get_if<RecordCommand>(&request.command)) {
+    record->confined = asker == Asker::anybody;
+  }
+  carry_out(request, std::move(answer));
 }
 
 void Desk::carry_out(const std::string& text, const std::string& name, Answer answer, Asker asker) {
-  if (auto request = read(text, name, answer)) {
-    if (run_.shown != nullptr && changes_the_run(request->command)) {
-      refuse(
-          answer, Reply::Outcome::refused,
-          {{"what", "this run has been, nobody changes it"},
-           {"path", "verb"},
-           {"allowed", "seek, pause, resume, speed, run_until, step, wait and what only tells"}});
-      return;
-    }
-    if (auto* const record = std::get_if<RecordCommand>(&request->command)) {
-      record->confined = asker == Asker::anybody;
-    }
-    carry_out(*request, std::move(answer));
-  }
+  carry_out_parsed(parse_command(text, name), std::move(answer), asker);
 }
 
 void Desk::carry_out_at(SimTime at, const std::string& text, const std::string& name,
                         Answer answer) {
-  if (auto request = read(text, name, answer)) {
-    request->at = at - kStart;
-    carry_out(*request, std::move(answer));
+  ParsedRequest parsed = parse_command(text, name);
+  if (!parsed.request) {
+    refuse(answer, Reply::Outcome::wrong, json_of(*parsed.wrong));
+    return;
   }
+  parsed.request->at = at - kStart;
+  carry_out(*parsed.request, std::move(answer));
 }
 
 void Desk::end() {
@@ -313,7 +320,7 @@ void Desk::act(const WaitCommand& command, const Answer& answer) {
     refuse(answer, Reply::Outcome::wrong,
            {{"what", "the machine has no such quantity"},
             {"path", "quantity"},
-            {"found", printable(command.quantity)},
+            {"found", printable(shortened(command.quantity))},
             {"allowed", join_words(names)}});
   } else if (!busy(answer)) {
     const SimTime limit = executive_.now() + command.limit;
@@ -358,6 +365,12 @@ void Desk::act(const EventsCommand& command, const Answer& answer) {
     refuse(answer, Reply::Outcome::refused, {{"what", "this run tells no events"}});
   } else if (command.wait && run_.events->last() <= command.since) {
     listening_.emplace_back(command, answer);
+    if (listening_.size() > kMaxListeners) {
+      // Its client may have gone. One that is there asks again.
+      const auto [oldest, told] = std::move(listening_.front());
+      listening_.erase(listening_.begin());
+      answer_events(oldest, told);
+    }
   } else {
     answer_events(command, answer);
   }
@@ -397,7 +410,7 @@ bool Desk::may_record(const RecordCommand& command, const Answer& answer) {
   if (command.stop != command.folder.empty()) {
     return no(Reply::Outcome::wrong, {{"what", "either a recording begins or it ends"},
                                       {"path", "folder"},
-                                      {"found", printable(command.folder)},
+                                      {"found", printable(shortened(command.folder))},
                                       {"allowed", "a folder, or stop: true"}});
   }
   const std::optional<std::string>& present = run_.recorder->folder();
@@ -434,7 +447,7 @@ void Desk::begin_recording(const RecordCommand& command, const Answer& answer) {
       refuse(answer, Reply::Outcome::refused,
              {{"what", "at a port recordings are made below one folder"},
               {"path", "folder"},
-              {"found", printable(command.folder)},
+              {"found", printable(shortened(command.folder))},
               {"allowed", "a name below " + printable(run_.records_below.string())}});
       return;
     }
@@ -443,7 +456,7 @@ void Desk::begin_recording(const RecordCommand& command, const Answer& answer) {
     refuse(answer, Reply::Outcome::wrong,
            {{"what", "the run may stand in another folder than who asks"},
             {"path", "folder"},
-            {"found", printable(command.folder)},
+            {"found", printable(shortened(command.folder))},
             {"allowed", "an absolute path"}});
     return;
   }

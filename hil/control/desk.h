@@ -1,6 +1,13 @@
 // Where the commands of a run are carried out, whichever door they come through.
 //
-// Everything is on the thread that runs the executive. The desk is an event source, the last one
+// Everything is on the thread that runs the executive, which serves the wires, too. A client's text
+// is parsed on the client's side of the hand-over (parse_command()), and comes here as a bounded
+// structure. What a command costs here is bounded by what it has: at most kMaximumRequestKeys keys
+// and kMaximumRequestNodes values (hil/configuration/document.h) of kMaxRequestWord bytes each
+// (commands.h) that are checked and applied, an answer of the size of the rig or of the events that
+// are kept (RunEvents::kKept), at most kMaxQueued commands that wait for their instant and
+// kMaxListeners that wait for events. However many clients ask, time moves on between their
+// commands (Executive, "Clients"). The desk is an event source, the last one
 // added: a command with an instant acts when everything that is due up to it has been done, and
 // several of one instant act in the order in which they came. Time stands exactly at the instant
 // that run_until, step or a queued pause names; what was due by then has left.
@@ -71,6 +78,10 @@ struct GovernedRun {
 class Desk final : public EventSource {
  public:
   using Answer = std::function<void(const Reply&)>;
+  /// Commands of clients that wait for their instant, at most; one more is refused.
+  static constexpr std::size_t kMaxQueued = 1024;
+  /// Requests that wait for events, at most. For one more the oldest is answered with no events.
+  static constexpr std::size_t kMaxListeners = 256;
 
   /// Adds itself to the executive; both must outlive it, as what the run refers to. With a clock
   /// that steps or waits for clients, time stands from the start, so that clients can come.
@@ -86,7 +97,11 @@ class Desk final : public EventSource {
     owner,    ///< This user.
     anybody,  ///< Who has the token of a port.
   };
-  /// The same from text, JSON or YAML; `name` stands for it in messages.
+  /// The same of what a text has come to: carried out, or answered with what is wrong. Refused,
+  /// too, when kMaxQueued commands wait for their instant.
+  void carry_out_parsed(ParsedRequest parsed, Answer answer, Asker asker);
+  /// The same from text, JSON or YAML, which is parsed on this thread: for who is in this process,
+  /// not for texts of clients. `name` stands for it in messages.
   void carry_out(const std::string& text, const std::string& name, Answer answer,
                  Asker asker = Asker::owner);
   /// The same at that instant, whatever the text says of it.
@@ -147,8 +162,6 @@ class Desk final : public EventSource {
   /// Answers those who wait for events.
   void tell_events();
   void answer_events(const EventsCommand& command, const Answer& answer);
-  [[nodiscard]] std::optional<Request> read(const std::string& text, const std::string& name,
-                                            const Answer& answer);
 
   /// Whether another journey is on its way; refuses then.
   bool busy(const Answer& answer);
@@ -171,7 +184,7 @@ class Desk final : public EventSource {
   GovernedRun run_;
   std::list<Queued> queue_;     ///< In order of time, of equals as they came.
   std::list<Journey> journey_;  ///< One at most.
-  std::vector<std::pair<EventsCommand, Answer>> listening_;
+  std::vector<std::pair<EventsCommand, Answer>> listening_;  ///< The oldest first.
   std::unique_ptr<LiveChanges> changes_;
   bool recording_ends_ = false;
   bool ended_ = false;

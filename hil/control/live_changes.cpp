@@ -54,12 +54,12 @@ Ruling acts_from(SimTime instant) {
 
 Ruling LiveChanges::begin(const FaultAddCommand& command) {
   Problems problems;
-  Value keys = parse_request(command.fault, "fault", problems);
+  Value keys = command.keys ? *command.keys : parse_request(command.fault, "fault", problems);
   const Value* const type_key = keys.find("type");
   if (problems.empty() && (type_key == nullptr || type_key->kind != Value::Kind::scalar)) {
     return wrong({{"what", "the fault has no type"},
                   {"path", "fault"},
-                  {"found", printable(command.fault)},
+                  {"found", printable(shortened(command.fault))},
                   {"allowed", "keys as in a rig's file: {type: jamming, for: 5 s}"}});
   }
   try {
@@ -164,18 +164,18 @@ Ruling LiveChanges::set(const SetCommand& command) {
   if (allowed.empty()) {
     return wrong({{"what", "nothing of that name can be set"},
                   {"path", "on"},
-                  {"found", printable(command.on)},
+                  {"found", printable(shortened(command.on))},
                   {"allowed", join_words(things())}});
   }
   Problems problems;
-  const Value keys = parse_request(command.set, "set", problems);
+  const Value keys = command.keys ? *command.keys : parse_request(command.set, "set", problems);
   if (!problems.empty()) {
     return wrong(problems);
   }
   if (keys.kind != Value::Kind::map || keys.entries.empty()) {
     return wrong({{"what", command.on == kMachine ? "no set points" : "no keys"},
                   {"path", "set"},
-                  {"found", printable(command.set)},
+                  {"found", printable(shortened(command.set))},
                   {"allowed", "some of " + join_words(allowed)}});
   }
   if (command.on == kMachine) {
@@ -238,7 +238,7 @@ Ruling LiveChanges::set_air(const Value& keys) {
       const bool unknown = of == kAirKeys.end();
       return wrong(
           {{"what", unknown ? "no hand brings that into the air" : "no value"},
-           {"path", printable(entry.key)},
+           {"path", printable(shortened(entry.key))},
            {"found", printable(entry.value.description())},
            {"allowed", unknown ? join_words(air_names()) : "a value with its unit, or null"}});
     }

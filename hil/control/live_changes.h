@@ -3,6 +3,10 @@
 // its keys. Each change is told as an event and noted for a recording with what it needs to be done
 // again at the same instant.
 //
+// Nothing of a client's text is parsed here: a request that came from outside brings its keys as a
+// tree (commands.h). What is left is to check them against what is changed and to apply them, which
+// is bounded by the number of keys and the length of words of a request.
+//
 // The air. What a hand brings there is a fault of the air that lasts until it is let go, or until
 // somebody ends that fault.
 #pragma once

@@ -84,17 +84,17 @@ Json json_of(const RigFaults::Numbered& fault) {
 Json json_of(const NoSuchFault& error) {
   return {{"what", error.what()},
           {"path", error.path},
-          {"found", error.found},
+          {"found", shortened(error.found)},
           {"allowed", error.allowed}};
 }
 
 Json json_of(const Problem& problem) {
   Json why{{"what", problem.line()}};
-  for (const auto& [key, words] : {std::pair{"path", &problem.path},
-                                   {"found", &problem.found},
-                                   {"allowed", &problem.allowed}}) {
-    if (!words->empty()) {
-      why[key] = printable(*words);
+  for (const auto& [key, words] : {std::pair{"path", shortened(problem.path)},
+                                   {"found", shortened(problem.found)},
+                                   {"allowed", problem.allowed}}) {
+    if (!words.empty()) {
+      why[key] = printable(words);
     }
   }
   return why;

@@ -46,6 +46,7 @@ struct Ruling {
 [[nodiscard]] nlohmann::ordered_json json_of(const RunEvent& event);
 // Why not.
 [[nodiscard]] nlohmann::ordered_json json_of(const NoSuchFault& error);
+// Long paths and values are told in part.
 [[nodiscard]] nlohmann::ordered_json json_of(const Problem& problem);
 
 }  // namespace rigwire::hil

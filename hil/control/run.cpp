@@ -268,6 +268,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   OutputFailures failures([&log](const std::string& what) { log.error(what); });
   boost::asio::io_context io;
   boost::asio::io_context viewers_io;
+  boost::asio::io_context control_io;  // of a control that is not at the page's port
   Interrupts interrupts(io, log);  // before the first wire is opened, so that none is left behind
   std::optional<AwakeProcessors> awake;
   if (options.awake) {
@@ -370,7 +371,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   }
   if (options.control) {
     const bool has_page = dashboard && options.control->path.empty();
-    server.emplace(has_page ? viewers_io : io, *options.control, token, *desk,
+    server.emplace(has_page ? viewers_io : control_io, *options.control, token, *desk,
                    has_page ? &*dashboard : nullptr);
     log.info(options.control->path.empty()
                  ? fmt::format("control at {}, {}", server->address(), shown_token(token))
@@ -393,19 +394,32 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
       failures.report("the dashboard: " + what);
     });
   }
+  // What clients of the control send is parsed beside the wires.
+  std::optional<BackgroundThread> control_thread;
+  if (server) {
+    control_thread.emplace(control_io, [&failures](const std::string& what) {
+      failures.report("the control server: " + what);
+    });
+  }
   tell_ready(options, *rig, hash, isolated ? &*isolated : nullptr, server ? &*server : nullptr,
              page, token);
   const RunOutcome outcome = execute(*rig, configuration, options, log, events);
+  control_thread.reset();  // nobody asks on while the last answers are given
   if (desk) {
     desk->end();
     io.restart();
-    io.poll();  // the last answers
+    io.poll();
   }
   if (stream) {
     stream->flush();
     viewers_thread.reset();
-    viewers_io.restart();
-    viewers_io.poll();  // likewise
+  }
+  // The last answers leave, and what is asked meanwhile is answered.
+  for (int round = 0; round < 2 && desk; ++round) {
+    for (boost::asio::io_context* const one : {&control_io, &viewers_io, &io}) {
+      one->restart();
+      one->poll();
+    }
   }
   RunReport report = report_of(*rig, configuration, hash, options, outcome, kept_awake);
   awake.reset();

@@ -328,6 +328,111 @@ TEST_F(HttpServerTest, WhoWaitsForAnAnswerKeepsItsPlace) {
   EXPECT_TRUE(wait([&] { return patient.received().ends_with("hello"); }));
 }
 
+TEST_F(HttpServerTest, AClientThatGoesWhileItWaitsGivesItsPlaceBack) {
+  std::string folder = "/tmp/rigwire-test-XXXXXX";
+  ASSERT_NE(::mkdtemp(folder.data()), nullptr);
+  HttpServerSettings settings;
+  settings.path = folder + "/control";
+  server_ = std::make_unique<HttpServer>(context_, settings);
+  std::vector<HttpServer::Respond> waiting;
+  server_->start_patiently(
+      [&](const HttpRequest&, const HttpServer::Respond& respond) { waiting.push_back(respond); });
+  const auto ask = [&](const std::string& text) {
+    asio::local::stream_protocol::socket socket(context_);
+    socket.connect({settings.path});
+    asio::write(socket, asio::buffer(text));
+    return socket;
+  };
+  const std::string request = "GET / HTTP/1.1\r\nHost: x\r\n\r\n";
+  auto gone = ask(request);
+  auto gone_with_more = ask(request + request);
+  auto stays = ask(request);
+  EXPECT_TRUE(wait([&] { return waiting.size() == 3; }));
+  EXPECT_EQ(server_->clients(), 3U);
+  gone.close();
+  gone_with_more.close();
+  EXPECT_TRUE(wait([&] { return server_->clients() == 1; }));
+  stays.shutdown(asio::local::stream_protocol::socket::shutdown_send);
+  run_for(context_, std::chrono::milliseconds(20));
+  EXPECT_EQ(server_->clients(), 1U) << "it still reads";
+  for (const HttpServer::Respond& respond : waiting) {
+    respond(response_);
+  }
+  std::string answer;
+  stays.non_blocking(true);
+  EXPECT_TRUE(wait([&] {
+    boost::system::error_code error;
+    std::array<char, 512> piece{};
+    answer.append(piece.data(), stays.read_some(asio::buffer(piece), error));
+    return answer.ends_with("hello");
+  }));
+  server_.reset();
+  std::filesystem::remove_all(folder);
+}
+
+/// Of a TCP connection that is closed the server learns that nothing more comes, as of one whose
+/// client still reads.
+TEST_F(HttpServerTest, AClientThatSendsNoMoreHasItsAnswerUnlessANewcomerNeedsThePlace) {
+  HttpServerSettings settings;
+  settings.port = 0;
+  settings.clients_max = 2;
+  server_ = std::make_unique<HttpServer>(context_, settings);
+  std::vector<HttpServer::Respond> waiting;
+  server_->start_patiently([&](const HttpRequest& request, const HttpServer::Respond& respond) {
+    if (request.target == "/wait") {
+      waiting.push_back(respond);
+    } else {
+      respond(response_);
+    }
+  });
+  const std::string request = "GET /wait HTTP/1.1\r\nHost: x\r\n\r\n";
+  auto stays = client();
+  stays.send(request);
+  auto reads_on = client();
+  reads_on.send(request);
+  EXPECT_TRUE(wait([&] { return waiting.size() == 2; }));
+  reads_on.send_no_more();
+  run_for(context_, std::chrono::milliseconds(20));
+  waiting[1](response_);
+  EXPECT_TRUE(wait([&] { return reads_on.closed(); }));
+  EXPECT_THAT(reads_on.received(), EndsWith("hello"));
+  {
+    auto gone = client();
+    gone.send(request);
+    EXPECT_TRUE(wait([&] { return waiting.size() == 3; }));
+  }
+  run_for(context_, std::chrono::milliseconds(20));
+  auto newcomer = client();
+  EXPECT_THAT(newcomer.ask("GET / HTTP/1.1\r\nHost: x\r\n\r\n", "hello"), HasSubstr(" 200 "));
+  EXPECT_EQ(server_->clients(), 2U);
+  waiting[0](response_);
+  EXPECT_TRUE(wait([&] { return stays.received().ends_with("hello"); })) << "it has kept its place";
+}
+
+/// The next request is there while the one before waits, and is no news.
+TEST_F(HttpServerTest, ARequestBehindOneThatWaitsIsAnsweredAfterIt) {
+  HttpServerSettings settings;
+  settings.port = 0;
+  server_ = std::make_unique<HttpServer>(context_, settings);
+  std::vector<HttpServer::Respond> waiting;
+  server_->start_patiently([&](const HttpRequest& request, const HttpServer::Respond& respond) {
+    requests_.push_back(request);
+    waiting.push_back(respond);
+  });
+  auto one = client();
+  one.send("GET /a HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_TRUE(wait([&] { return waiting.size() == 1; }));
+  one.send("GET /b HTTP/1.1\r\nHost: x\r\n\r\n");
+  run_for(context_, std::chrono::milliseconds(20));
+  EXPECT_EQ(waiting.size(), 1U);
+  waiting[0]({200, "text/plain", "first", {}, false});
+  EXPECT_TRUE(wait([&] { return waiting.size() == 2; }));
+  waiting[1]({200, "text/plain", "second", {}, false});
+  EXPECT_TRUE(wait([&] { return one.received().ends_with("second"); }));
+  EXPECT_THAT(one.received(), HasSubstr("first"));
+  EXPECT_EQ(requests_[1].target, "/b");
+}
+
 TEST_F(HttpServerTest, AnAnswerMayComeLaterThanItsClientWouldBePatient) {
   HttpServerSettings settings;
   settings.port = 0;

@@ -298,7 +298,47 @@ TEST(Document, aliases_count_as_what_they_stand_for) {
   }
   Problems problems;
   (void)parse_request(power, "request", problems);
-  EXPECT_THAT(complaints(problems), HasSubstr("or more than 10000 values or 1048576 bytes"));
+  EXPECT_THAT(complaints(problems), HasSubstr("an anchor or an alias in a request"));
+}
+
+TEST(Document, a_request_has_no_aliases_and_is_small) {
+  const auto complaint = [](const std::string& text) {
+    Problems problems;
+    const Value value = parse_request(text, "request", problems);
+    EXPECT_TRUE(problems.empty() || value.entries.empty()) << "a tree is made of " << text.size();
+    return complaints(problems);
+  };
+  const auto keys = [](int count) {
+    std::string text = "{";
+    for (int i = 0; i < count; ++i) {
+      text += "k" + std::to_string(i) + ": 1, ";
+    }
+    return text + "}";
+  };
+  const auto list = [](int count) {
+    std::string text = "{a: [";
+    for (int i = 0; i < count; ++i) {
+      text += "1, ";
+    }
+    return text + "]}";
+  };
+  for (const char* text :
+       {"{a: &x 1, b: *x}", "{a: &x [1]}", "&x {a: 1}", "{&x a: 1}", "{a: &x }"}) {
+    EXPECT_THAT(complaint(text), HasSubstr("an anchor or an alias in a request")) << text;
+  }
+  EXPECT_THAT(complaint("{a: *x}"), HasSubstr("not valid YAML")) << "of nothing";
+  EXPECT_EQ(complaint("{a: '&x *y', b: x*y}"), "") << "a text may hold the characters";
+  EXPECT_EQ(complaint(keys(256)), "");
+  EXPECT_THAT(complaint(keys(257)), HasSubstr("too many keys, found more than 256"));
+  EXPECT_THAT(complaint(keys(6000)), HasSubstr("too many keys"));
+  EXPECT_EQ(complaint(list(1022)), "");
+  EXPECT_THAT(complaint(list(1023)), HasSubstr("too many values, found more than 1024"));
+  EXPECT_EQ(complaint("{a: " + std::string(15, '[') + std::string(15, ']') + "}"), "");
+  EXPECT_THAT(complaint("{a: " + std::string(16, '[') + std::string(16, ']') + "}"),
+              HasSubstr("too many levels, found more than 16"));
+  EXPECT_THAT(complaint(std::string(60'000, '[')), HasSubstr("too many levels"));
+  EXPECT_THAT(complaint("{a: " + std::string(70'000, 'x') + "}"),
+              HasSubstr("too long, found 70005 bytes"));
 }
 
 TEST(Document, what_a_file_has_is_quoted_in_part) {

@@ -6,16 +6,20 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <atomic>
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -24,6 +28,7 @@
 #include <vector>
 
 #include "clockwork.h"
+#include "hil/executive/background_thread.h"
 
 namespace rigwire::hil {
 namespace {
@@ -48,9 +53,14 @@ class ControlServerTest : public testing::Test {
       throw std::runtime_error("no folder");
     }
     folder_ = pattern;
-    server_.emplace(io_, ControlEndpoint{folder_ + "/control", {}, 0}, "", desk_);
+    server_.emplace(server_io_, ControlEndpoint{folder_ + "/control", {}, 0}, "", desk_);
+    thread_.emplace(server_io_, [](const std::string& what) { ADD_FAILURE() << what; });
   }
-  ~ControlServerTest() override { std::filesystem::remove_all(folder_); }
+  ~ControlServerTest() override {
+    thread_.reset();
+    server_.reset();
+    std::filesystem::remove_all(folder_);
+  }
 
   /// `talk` on another thread, as a client of the run, which ends with it.
   void served(const std::function<void()>& talk) {
@@ -97,7 +107,35 @@ class ControlServerTest : public testing::Test {
               truth_.state_quantities(),
               [] { return RigStatus(); },
               faults_}};
+  // As in a run, the server is on another thread than the desk.
+  asio::io_context server_io_;
   std::optional<ControlServer> server_;
+  std::optional<BackgroundThread> thread_;
+};
+
+/// A client that keeps its connection.
+class Connection {
+ public:
+  explicit Connection(const std::string& folder) : socket_(io_) {
+    socket_.connect(asio::local::stream_protocol::endpoint(folder + "/control"));
+  }
+  void send(const std::string& body) {
+    http::request<http::string_body> message(http::verb::post, "/command", 11);
+    message.set(http::field::host, "localhost");
+    message.body() = body;
+    message.prepare_payload();
+    http::write(socket_, message);
+  }
+  Answer receive() {
+    http::response<http::string_body> response;
+    http::read(socket_, buffer_, response);
+    return {static_cast<int>(response.result_int()), {}, {}, response.body()};
+  }
+
+ private:
+  asio::io_context io_;
+  asio::generic::stream_protocol::socket socket_;
+  boost::beast::flat_buffer buffer_;
 };
 
 /// The fields that a schema requires are there, and each has its type.
@@ -221,6 +259,73 @@ TEST_F(ControlServerTest, EveryVerbIsInTheDescriptionWithWhatItRequires) {
       EXPECT_EQ(command(more).status, 400);
     }
     EXPECT_EQ(command(Json{{"at", 1.0}}).status, 400) << "without a verb";
+  });
+}
+
+/// One step at a time is on its way; who is refused asks again at once.
+TEST_F(ControlServerTest, EveryOneOf64ClientsThatAskAtOnceIsAnswered) {
+  constexpr int kClients = 64;
+  constexpr int kSteps = 2;
+  std::atomic<int> finished = 0;
+  served([&] {
+    std::vector<std::thread> clients;
+    for (int i = 0; i < kClients; ++i) {
+      clients.emplace_back([&] {
+        try {
+          Connection connection(folder_);
+          for (int steps = 0; steps < kSteps;) {
+            connection.send("{verb: step, length: 2 ms}");
+            const int status = connection.receive().status;
+            EXPECT_TRUE(status == 200 || status == 409) << status;
+            steps += status == 200 ? 1 : 0;
+          }
+          ++finished;
+        } catch (const std::exception& error) {
+          ADD_FAILURE() << error.what();
+        }
+      });
+    }
+    for (std::thread& client : clients) {
+      client.join();
+    }
+  });
+  EXPECT_EQ(finished, kClients);
+  EXPECT_EQ(executive_.now(), kStart + kClients * kSteps * std::chrono::milliseconds{2});
+}
+
+TEST_F(ControlServerTest, ClientsThatAskedPatientlyAndWentKeepNoPlace) {
+  served([&] {
+    std::vector<std::unique_ptr<Connection>> patient;
+    for (int i = 0; i < 64; ++i) {
+      patient.push_back(std::make_unique<Connection>(folder_));
+      patient.back()->send("{verb: state, at: 1 s}");
+    }
+    patient.clear();
+    // The server may notice later than the next one comes.
+    std::optional<Answer> answer;
+    for (int tries = 0; tries < 1000 && !answer; ++tries) {
+      try {
+        answer = command(Json{{"verb", "state"}});
+      } catch (const boost::system::system_error&) {
+        std::this_thread::sleep_for(std::chrono::milliseconds{10});
+      }
+    }
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_EQ(answer->status, 200);
+    EXPECT_EQ(command(Json{{"verb", "run_until"}, {"time", 2.0}}).status, 200);
+    EXPECT_EQ(Json::parse(ask(http::verb::get, "/state").body)["queued"], 0);
+  });
+}
+
+TEST_F(ControlServerTest, RequestsOfOneConnectionAreAnsweredInTheirOrder) {
+  served([&] {
+    Connection connection(folder_);
+    connection.send("{verb: run_until, time: 100 ms}");
+    connection.send("{verb: nonsense}");
+    connection.send("{verb: state}");
+    EXPECT_EQ(Json::parse(connection.receive().body)["time_ns"], 100'000'000);
+    EXPECT_EQ(connection.receive().status, 400);
+    EXPECT_EQ(Json::parse(connection.receive().body)["rig"], "pit");
   });
 }
 

@@ -2,6 +2,7 @@
 // what is refused.
 #include "hil/control/desk.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -181,6 +182,84 @@ TEST_F(DeskTest, WhatCannotBeDoneIsRefusedWithWhatIsAllowed) {
   }
   EXPECT_THAT(answer(4)["what"].get<std::string>(), HasSubstr("step"));
   EXPECT_EQ(answer(5)["path"], "colour");
+}
+
+/// Each of these once held up the wires for up to seconds.
+TEST_F(DeskTest, ALargeOrTangledRequestIsRefusedWithAShortWord) {
+  std::string power = "a: &l0 [1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
+  for (int i = 1; i < 7; ++i) {
+    power += fmt::format("b{0}: &l{0} [*l{1}, *l{1}, *l{1}, *l{1}, *l{1}, *l{1}]\n", i, i - 1);
+  }
+  std::string keys;
+  for (int i = 0; i < 6000; ++i) {
+    keys += fmt::format("k{}: 1, ", i);
+  }
+  ask("verb: state\n" + power);
+  ask("{verb: set, set: {" + keys + "}}");
+  ask("{verb: set, set: '{" + keys + "}'}");
+  ask("{verb: fault_add, on: gnss, fault: '{type: &a jamming, for: *a}'}");
+  ask("{verb: " + std::string(60'000, 's') + "}");
+  ask("{verb: state, " + std::string(60'000, 's') + ": 1}");
+  ask("{verb: wait, value: 1, quantity: " + std::string(60'000, 'q') + "}");
+  ask("{verb: wait, value: 1, quantity: " + std::string(4'000, 'q') + "}");
+  ask("{verb: set, set: {boom: " + std::string(60'000, '1') + "}}");
+  ask("{verb: set, on: " + std::string(4'000, 'o') + ", set: {boom: 1}}");
+  for (std::size_t i = 0; i < answers_.size(); ++i) {
+    ASSERT_TRUE(answers_[i].has_value()) << i;
+    EXPECT_EQ(answers_[i]->outcome, Reply::Outcome::wrong) << i;
+    EXPECT_LT(answers_[i]->json.dump().size(), 4000U) << i;
+  }
+  EXPECT_THAT(answer(0)["what"].get<std::string>(), HasSubstr("an anchor or an alias"));
+  EXPECT_THAT(answer(1)["what"].get<std::string>(), HasSubstr("too many keys"));
+  EXPECT_THAT(answer(2)["what"].get<std::string>(), HasSubstr("too many keys"));
+  EXPECT_THAT(answer(3)["what"].get<std::string>(), HasSubstr("an anchor or an alias"));
+  EXPECT_THAT(answer(6)["what"].get<std::string>(), HasSubstr("at most 4096 bytes"));
+}
+
+/// A client that has gone keeps no place, what it asked for is still to be done.
+TEST_F(DeskTest, CommandsThatWaitForTheirInstantHaveALimit) {
+  const std::size_t first = answers_.size();
+  for (std::size_t i = 0; i < Desk::kMaxQueued; ++i) {
+    ask("{verb: state, at: 1 s}");
+  }
+  EXPECT_FALSE(answers_.back().has_value());
+  ask("{verb: state, at: 2 s}");
+  ASSERT_TRUE(answers_.back().has_value());
+  EXPECT_EQ(answers_.back()->outcome, Reply::Outcome::refused);
+  EXPECT_EQ(answers_.back()->json["allowed"], "at most 1024");
+  ask("{verb: state}");
+  EXPECT_EQ(answers_.back()->outcome, Reply::Outcome::done) << "what is at once is";
+  desk_.carry_out({RunUntilCommand{2s}}, [this](const Reply&) { executive_.stop(); });
+  executive_.run_free(kStart + 1000s);
+  EXPECT_EQ(executive_.now(), kStart + 2s);
+  EXPECT_EQ(answer(first)["time_ns"], 1'000'000'000);
+}
+
+TEST(EventsDesk, OneMoreWhoWaitsForEventsEndsTheWaitOfTheOldest) {
+  boost::asio::io_context io;
+  RigFaults faults;
+  RunEvents events;
+  Clockwork truth;
+  Executive executive(io, truth);
+  GovernedRun run{"pit", 7, "abc", {}, truth.state_quantities(), [] { return RigStatus{}; },
+                  faults};
+  run.events = &events;
+  Desk desk(io, executive, run);
+  std::vector<Json> replies;
+  for (std::size_t i = 0; i < Desk::kMaxListeners; ++i) {
+    desk.carry_out({EventsCommand{0, true}},
+                   [&](const Reply& reply) { replies.push_back(Json::parse(reply.json)); });
+  }
+  EXPECT_TRUE(replies.empty());
+  bool answered = false;
+  desk.carry_out({EventsCommand{0, true}}, [&](const Reply&) { answered = true; });
+  ASSERT_EQ(replies.size(), 1U);
+  EXPECT_EQ(replies[0]["ok"], true);
+  EXPECT_TRUE(replies[0]["events"].empty());
+  EXPECT_EQ(replies[0]["last"], 0);
+  EXPECT_FALSE(answered);
+  desk.end();
+  EXPECT_TRUE(answered);
 }
 
 TEST_F(DeskTest, OneJourneyAtATimeAndTheRunsEndAnswersAll) {

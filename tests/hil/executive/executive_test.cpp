@@ -473,6 +473,27 @@ TEST(Executive, AFreeRunThatWaitsGoesOnWhenItsClientsHaveTakenAll) {
   EXPECT_GT(outcome.waited_s, 0.0);
 }
 
+/// There is always one more handler that is ready.
+TEST(Executive, ClientsThatAskWithoutEndDoNotKeepTimeFromMovingOn) {
+  for (const bool paced : {false, true}) {
+    Rig rig;
+    std::uint64_t asked = 0;
+    std::function<void()> ask = [&] {
+      ++asked;
+      rig.executive.arrive();
+      boost::asio::post(rig.io, ask);
+    };
+    boost::asio::post(rig.io, ask);
+    PacedSettings settings;
+    settings.overrun_limit = 10s;
+    const RunOutcome outcome = paced ? rig.executive.run_paced(settings, kStart + 50ms)
+                                     : rig.executive.run_free(kStart + 50ms);
+    EXPECT_EQ(outcome.reached, kStart + 50ms);
+    EXPECT_EQ(rig.statistics.units, 5U);
+    EXPECT_GT(asked, 0U) << "they are served, too";
+  }
+}
+
 TEST(Executive, APatienceThatExpiresIsCountedAndTheRunGoesOn) {
   boost::asio::io_context io;
   MoistGround truth;

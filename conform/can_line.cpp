@@ -29,6 +29,10 @@ using std::chrono::milliseconds;
 
 namespace {
 
+// What may wait in the system's queue when a deadline passes.
+constexpr std::size_t kQueue_frames = 4096;
+constexpr std::size_t kQueue_bytes = 64U << 10U;
+
 class InterfaceLine final : public CanLine {
  public:
   explicit InterfaceLine(int descriptor) : descriptor_(descriptor) {}
@@ -51,10 +55,14 @@ class InterfaceLine final : public CanLine {
   }
 
   std::optional<Frame> receive(Clock::time_point deadline) override {
+    std::size_t errors_behind = 0;  // What waits is taken behind the deadline, too, and no more.
     while (true) {
       can_frame raw{};
       if (::read(descriptor_.get(), &raw, sizeof raw) == sizeof raw) {
         if ((raw.can_id & CAN_ERR_FLAG) != 0) {
+          if (Clock::now() > deadline && ++errors_behind > kQueue_frames) {
+            return std::nullopt;
+          }
           continue;
         }
         Frame frame;
@@ -111,6 +119,7 @@ class AdapterLine final : public CanLine {
   bool send(const Frame& frame) override { return line_->send(slcan::write_frame(frame).span()); }
 
   std::optional<Frame> receive(Clock::time_point deadline) override {
+    std::size_t behind = 0;  // Bytes that came behind the deadline and were no frame.
     while (true) {
       while (used_ < bytes_.size()) {
         const auto line = splitter_.push(bytes_[used_++]);
@@ -124,9 +133,10 @@ class AdapterLine final : public CanLine {
       }
       bytes_.clear();
       used_ = 0;
-      if (!line_->receive(bytes_, deadline)) {
+      if (behind > kQueue_bytes || !line_->receive(bytes_, deadline)) {
         return std::nullopt;
       }
+      behind += Clock::now() > deadline ? bytes_.size() : 0;
     }
   }
 

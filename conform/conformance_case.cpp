@@ -16,8 +16,9 @@ std::string_view word(Danger danger) {
 }
 
 std::string_view word(Verdict verdict) {
-  constexpr std::array<std::string_view, 7> kWords{
-      "pass", "lenient", "fail", "informational", "not applicable", "skipped", "error"};
+  constexpr std::array<std::string_view, 8> kWords{"pass",          "lenient",        "fail",
+                                                   "informational", "not applicable", "skipped",
+                                                   "error",         "not reached"};
   return kWords[static_cast<std::size_t>(verdict)];
 }
 

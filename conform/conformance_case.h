@@ -39,7 +39,8 @@ enum class Verdict : std::uint8_t {
   informational,   ///< A value was observed.
   not_applicable,  ///< The device does not claim what the case needs.
   skipped,         ///< Not asked for: too dangerous without an option.
-  error            ///< The tool or the way to the device, not the device.
+  error,           ///< The tool or the way to the device, not the device.
+  not_reached      ///< The suite's limit of time had passed: nothing is known.
 };
 
 [[nodiscard]] std::string_view word(Strength strength);

@@ -19,9 +19,9 @@ using protocols::printable;
 
 namespace {
 
-constexpr std::array kVerdicts{Verdict::fail,          Verdict::error,         Verdict::lenient,
-                               Verdict::pass,          Verdict::informational, Verdict::skipped,
-                               Verdict::not_applicable};
+constexpr std::array kVerdicts{Verdict::fail,    Verdict::error,         Verdict::not_reached,
+                               Verdict::lenient, Verdict::pass,          Verdict::informational,
+                               Verdict::skipped, Verdict::not_applicable};
 
 template <class Word, std::size_t n>
 Word of_word(const std::string& text, const std::array<Word, n>& all) {
@@ -146,7 +146,7 @@ std::string cell(const CaseResult* result) {
   const std::string verdict(word(result->verdict));
   const std::string kind = verdict.substr(0, verdict.find(' '));
   const bool told = result->verdict == Verdict::fail || result->verdict == Verdict::lenient ||
-                    result->verdict == Verdict::error;
+                    result->verdict == Verdict::error || result->verdict == Verdict::not_reached;
   const std::string brief = told && !result->expected.empty()
                                 ? "expected " + result->expected + "; got " + result->got
                                 : result->got;
@@ -180,6 +180,7 @@ std::string text_line(const CaseResult& result) {
               printable(result.got, "\n\t") + "\n";
       break;
     case Verdict::error:
+    case Verdict::not_reached:
     case Verdict::informational:
       text += indent + printable(result.got, "\n\t") + "\n";
       break;
@@ -241,12 +242,15 @@ std::string junit_text(const SuiteResult& result) {
       return std::to_string(std::ranges::count(
           in[of], verdict, [](const CaseResult* each) { return each->verdict; }));
     };
+    const auto errors = std::ranges::count_if(in[of], [](const CaseResult* each) {
+      return each->verdict == Verdict::error || each->verdict == Verdict::not_reached;
+    });
     const auto skipped = std::ranges::count_if(in[of], [](const CaseResult* each) {
       return each->verdict == Verdict::skipped || each->verdict == Verdict::not_applicable;
     });
     text += "  <testsuite name=\"" + escape_markup(of) + "\" tests=\"" +
             std::to_string(in[of].size()) + "\" failures=\"" + count(Verdict::fail) +
-            "\" errors=\"" + count(Verdict::error) + "\" skipped=\"" + std::to_string(skipped) +
+            "\" errors=\"" + std::to_string(errors) + "\" skipped=\"" + std::to_string(skipped) +
             "\">\n    <properties><property name=\"endpoint\" value=\"" +
             escape_markup(result.endpoint) + "\"/><property name=\"profile\" value=\"" +
             escape_markup(result.profile_hash) + "\"/></properties>\n";
@@ -261,6 +265,7 @@ std::string junit_text(const SuiteResult& result) {
           text += "<failure message=\"" + message + "\">" + told + "</failure>";
           break;
         case Verdict::error:
+        case Verdict::not_reached:
           text += "<error message=\"" + message + "\">" + told + "</error>";
           break;
         case Verdict::skipped:
@@ -327,7 +332,8 @@ std::string html_text(std::span<const SuiteResult> results) {
       differs = differs || (first != nullptr && each != nullptr && first->verdict != each->verdict);
       first = first == nullptr ? each : first;
       fails = fails || (each != nullptr &&
-                        (each->verdict == Verdict::fail || each->verdict == Verdict::error));
+                        (each->verdict == Verdict::fail || each->verdict == Verdict::error ||
+                         each->verdict == Verdict::not_reached));
     }
     const std::string id = escape_markup(row->identity.id);
     if (fails) {

@@ -8,18 +8,34 @@ namespace rigwire::conform {
 Trial::Trial(CaseIdentity identity, Clock clock)
     : identity_(std::move(identity)), clock_(std::move(clock)), began_(clock_()) {}
 
+void Trial::keep(Step::Kind kind, std::span<const std::uint8_t> bytes, std::string words) {
+  if (left_out_) {
+    return;
+  }
+  if (steps_.size() >= kKeptSteps || kept_bytes_ >= kKeptBytes) {
+    left_out_ = true;
+    steps_.push_back({Step::Kind::note, since_begin(), {}, "further exchanges are not kept"});
+    return;
+  }
+  if (bytes.size() > kKeptStepBytes) {
+    words += " (the first " + std::to_string(kKeptStepBytes) + " of " +
+             std::to_string(bytes.size()) + " bytes)";
+    bytes = bytes.first(kKeptStepBytes);
+  }
+  kept_bytes_ += bytes.size();
+  steps_.push_back({kind, since_begin(), {bytes.begin(), bytes.end()}, std::move(words)});
+}
+
 void Trial::note(std::string words) {
-  steps_.push_back({Step::Kind::note, since_begin(), {}, std::move(words)});
+  keep(Step::Kind::note, {}, std::move(words));
 }
 
 void Trial::sent(std::span<const std::uint8_t> bytes, std::string words) {
-  steps_.push_back(
-      {Step::Kind::sent, since_begin(), {bytes.begin(), bytes.end()}, std::move(words)});
+  keep(Step::Kind::sent, bytes, std::move(words));
 }
 
 void Trial::received(std::span<const std::uint8_t> bytes, std::string words) {
-  steps_.push_back(
-      {Step::Kind::received, since_begin(), {bytes.begin(), bytes.end()}, std::move(words)});
+  keep(Step::Kind::received, bytes, std::move(words));
 }
 
 void Trial::find(Verdict verdict, std::string expected, std::string got) {
@@ -71,6 +87,10 @@ void Trial::not_applicable(std::string reason) {
 
 void Trial::broken(std::string reason) {
   find(Verdict::error, "", std::move(reason));
+}
+
+void Trial::not_reached(std::string reason) {
+  find(Verdict::not_reached, "", std::move(reason));
 }
 
 CaseResult Trial::result() const {

@@ -19,6 +19,12 @@ class Trial {
   /// Its steps have the time of `clock`, from now on.
   explicit Trial(CaseIdentity identity, Clock clock = std::chrono::steady_clock::now);
 
+  /// Exchanges of a case that are kept. A device that sends without end does not fill the memory
+  /// and the report; what is left out is noted once.
+  static constexpr std::size_t kKeptSteps = 20'000;
+  static constexpr std::size_t kKeptBytes = 4U << 20U;
+  static constexpr std::size_t kKeptStepBytes = 64U << 10U;
+
   void note(std::string words);
   void sent(std::span<const std::uint8_t> bytes, std::string words);
   void received(std::span<const std::uint8_t> bytes, std::string words);
@@ -34,6 +40,8 @@ class Trial {
   void not_applicable(std::string reason);
   /// Of the way to the device.
   void broken(std::string reason);
+  /// The suite's limit of time passed while the case ran, before anything had gone wrong.
+  void not_reached(std::string reason);
 
   /// Nothing has gone wrong so far.
   [[nodiscard]] bool fine() const { return !found_; }
@@ -45,6 +53,7 @@ class Trial {
 
  private:
   void find(Verdict verdict, std::string expected, std::string got);
+  void keep(Step::Kind kind, std::span<const std::uint8_t> bytes, std::string words);
   [[nodiscard]] std::chrono::nanoseconds since_begin() const { return clock_() - began_; }
 
   CaseIdentity identity_;
@@ -55,6 +64,8 @@ class Trial {
   std::string got_;
   std::vector<std::string> all_;  ///< That held.
   std::vector<Step> steps_;
+  std::size_t kept_bytes_ = 0;  ///< Of the steps.
+  bool left_out_ = false;       ///< Further steps are not kept, which is noted.
 };
 
 }  // namespace rigwire::conform

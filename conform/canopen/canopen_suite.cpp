@@ -47,8 +47,9 @@ std::vector<CanopenCase> canopen_cases() {
 SuiteResult run_canopen_suite(CanopenDevice& device, const SuiteOptions& options) {
   SuiteResult result;
   result.suite = "canopen";
-  device.line = device.open();
-  wait_for_node(device);
+  device.bounds->begin();
+  device.line = bounded(device.open(), device.bounds);
+  prepare_suite([&] { wait_for_node(device); });
   for (const CanopenCase& each : canopen_cases()) {
     if (!is_wanted(each.identity.id, options.wanted)) {
       continue;
@@ -57,16 +58,17 @@ SuiteResult run_canopen_suite(CanopenDevice& device, const SuiteOptions& options
       result.cases.push_back(std::move(*hindered));
       continue;
     }
-    CanopenTrial trial(each.identity, device);
-    each.run(trial);
-    result.cases.push_back(trial.result());
+    result.cases.push_back(try_case(
+        each.identity, *device.bounds, [&] { return CanopenTrial(each.identity, device); },
+        [&](CanopenTrial& trial) { each.run(trial); }));
   }
   device.line.reset();
   return result;
 }
 
 CanopenClaims survey_canopen(CanopenDevice& device) {
-  device.line = device.open();
+  device.bounds->begin();
+  device.line = bounded(device.open(), device.bounds);
   CanopenClaims claims = device.claims;
   claims.objects.clear();
   constexpr std::uint8_t kNodes = 127;

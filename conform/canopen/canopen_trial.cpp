@@ -95,7 +95,8 @@ CanopenTrial::CanopenTrial(CaseIdentity identity, CanopenDevice& device)
 }
 
 void CanopenTrial::drain() {
-  while (device_->line->receive(now())) {
+  const auto end = now() + kDrain;
+  while (now() < end && device_->line->receive(now())) {
   }
 }
 

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "conform/bounds.h"
 #include "conform/can_line.h"
 #include "conform/trial.h"
 
@@ -44,6 +45,7 @@ struct CanopenDevice {
   std::function<std::unique_ptr<CanLine>()> open;  ///< May throw Unreachable.
   CanopenClaims claims;
   std::unique_ptr<CanLine> line;
+  std::shared_ptr<Bounds> bounds = std::make_shared<Bounds>();
 };
 
 /// What an SDO came to: data, or why not.
@@ -78,7 +80,7 @@ class CanopenTrial : public Trial {
   };
   /// All with that identifier in this time; the first ones are shown.
   [[nodiscard]] std::vector<Heard> listen(std::uint32_t id, std::chrono::nanoseconds span);
-  /// What has come so far is forgotten.
+  /// What has come so far is forgotten, for at most kDrain.
   void drain();
 
   /// Eight bytes of the SDO server; nothing when none came, which is found.

@@ -99,6 +99,7 @@ std::vector<GigeVisionCase> gige_vision_cases() {
 SuiteResult run_gige_vision_suite(GigeVisionDevice& device, const SuiteOptions& options) {
   SuiteResult result;
   result.suite = "gige-vision";
+  device.bounds->begin();
   const std::uint32_t capability = capability_of(device);
   for (const GigeVisionCase& each : gige_vision_cases()) {
     if (!is_wanted(each.identity.id, options.wanted)) {
@@ -109,9 +110,9 @@ SuiteResult run_gige_vision_suite(GigeVisionDevice& device, const SuiteOptions& 
       result.cases.push_back(std::move(*hindered));
       continue;
     }
-    GigeVisionTrial trial(each.identity, device);
-    each.run(trial);
-    result.cases.push_back(trial.result());
+    result.cases.push_back(try_case(
+        each.identity, *device.bounds, [&] { return GigeVisionTrial(each.identity, device); },
+        [&](GigeVisionTrial& trial) { each.run(trial); }));
   }
   device.line.reset();
   return result;
@@ -119,6 +120,7 @@ SuiteResult run_gige_vision_suite(GigeVisionDevice& device, const SuiteOptions& 
 
 GigeVisionClaims survey_gige_vision(GigeVisionDevice& device) {
   GigeVisionClaims claims = device.claims;
+  device.bounds->begin();
   static_cast<void>(capability_of(device));
   GigeVisionTrial trial({}, device);
   if (const auto bytes = gige_description(trial)) {

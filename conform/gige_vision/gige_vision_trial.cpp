@@ -88,23 +88,37 @@ GigeVisionTrial::GigeVisionTrial(CaseIdentity identity, GigeVisionDevice& device
             }),
       device_(&device) {
   if (device_->line == nullptr) {
-    device_->line = device_->open();
+    device_->bounds->check();
+    device_->line = bounded(device_->open(), device_->bounds);
     restart_clock();
   }
   drain();
 }
 
 void GigeVisionTrial::drain() {
-  wait({});
+  const auto end = now() + kDrain;
+  while (now() < end && device_->line->receive(now())) {
+  }
   for (auto& waiting : device_->arrived) {
     waiting.clear();
   }
+  device_->waiting_bytes = 0;
+}
+
+void GigeVisionTrial::keep_waiting(DatagramLine::Datagram datagram) {
+  device_->waiting_bytes += datagram.bytes.size() + kItem_bytes;
+  if (device_->waiting_bytes > kDatagramLimits.question) {
+    const std::string most = std::to_string(kDatagramLimits.question >> 20U) + " MiB";
+    drain();
+    throw TooMuch("at most " + most + " that nobody asked for", "more than " + most);
+  }
+  device_->arrived.at(datagram.at_port).push_back(std::move(datagram));
 }
 
 void GigeVisionTrial::wait(std::chrono::nanoseconds span) {
   const auto deadline = now() + span;
   while (auto datagram = device_->line->receive(deadline)) {
-    device_->arrived.at(datagram->at_port).push_back(std::move(*datagram));
+    keep_waiting(std::move(*datagram));
     if (now() >= deadline && span.count() > 0) {
       break;
     }
@@ -119,10 +133,11 @@ std::optional<DatagramLine::Datagram> GigeVisionTrial::hear(
     if (!datagram) {
       return std::nullopt;
     }
-    device_->arrived.at(datagram->at_port).push_back(std::move(*datagram));
+    keep_waiting(std::move(*datagram));
   }
   DatagramLine::Datagram first = std::move(waiting.front());
   waiting.pop_front();
+  device_->waiting_bytes -= first.bytes.size() + kItem_bytes;
   return first;
 }
 
@@ -166,6 +181,8 @@ std::optional<GigeVisionTrial::Answer> GigeVisionTrial::answer(std::uint16_t com
                                                                std::uint16_t request,
                                                                std::size_t port) {
   auto deadline = now() + claims().patience;
+  constexpr std::chrono::seconds kLongestPending{70};  // One PENDING_ACK says at most 65.5 s.
+  const auto end = deadline + kLongestPending;
   while (const auto datagram = hear(port, deadline)) {
     const GigeBytes& bytes = datagram->bytes;
     const bool whole =
@@ -179,7 +196,7 @@ std::optional<GigeVisionTrial::Answer> GigeVisionTrial::answer(std::uint16_t com
                  load_big<std::uint16_t>(bytes, 6),
                  {bytes.begin() + kHeader, bytes.end()}};
     if (found.code == Gvcp::kPending && found.request == request && found.payload.size() >= 4) {
-      deadline = now() + milliseconds(load_big<std::uint16_t>(found.payload, 2));
+      deadline = std::min(now() + milliseconds(load_big<std::uint16_t>(found.payload, 2)), end);
       continue;
     }
     if (!demand(found.request == request, "an answer to request " + std::to_string(request),
@@ -419,7 +436,12 @@ std::vector<GigeVisionCase> gige_cases_in_control_of(std::span<const GigeVisionR
   std::vector<GigeVisionCase> all = gige_cases_of(rows);
   for (GigeVisionCase& each : all) {
     each.run = [run = std::move(each.run)](GigeVisionTrial& trial) {
-      run(trial);
+      try {
+        run(trial);
+      } catch (const TooMuch&) {
+        trial.leave();
+        throw;
+      }
       trial.leave();
     };
   }

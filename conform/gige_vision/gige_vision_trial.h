@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "conform/bounds.h"
 #include "conform/bytes.h"
 #include "conform/datagram_line.h"
 #include "conform/trial.h"
@@ -86,6 +87,8 @@ struct GigeVisionDevice {
   std::array<std::deque<DatagramLine::Datagram>, 3> arrived;  ///< At each port, and not yet taken.
   std::uint16_t request = 0;                                  ///< Of the last command.
   std::optional<GigeStream> stream;                           ///< Once it was looked at.
+  std::size_t waiting_bytes = 0;  ///< Of `arrived`, with kItem_bytes for each datagram.
+  std::shared_ptr<Bounds> bounds = std::make_shared<Bounds>();
 };
 
 /// Command codes.
@@ -160,12 +163,14 @@ class GigeVisionTrial : public Trial {
   /// What comes at our stream's port in this time.
   [[nodiscard]] std::vector<DatagramLine::Datagram> listen(std::chrono::nanoseconds span);
   void wait(std::chrono::nanoseconds span);
-  /// What has come so far is forgotten.
+  /// What has come so far is forgotten, for at most kDrain.
   void drain();
 
  private:
   [[nodiscard]] std::optional<DatagramLine::Datagram> hear(
       std::size_t port, DatagramLine::Clock::time_point deadline);
+  /// Puts it behind what waits at its port. Throws TooMuch when too much waits.
+  void keep_waiting(DatagramLine::Datagram datagram);
 
   GigeVisionDevice* device_;
 };

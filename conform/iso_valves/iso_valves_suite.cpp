@@ -578,6 +578,7 @@ constexpr std::array kRows{
 J1939Device node_of(const IsoValveDevice& device) {
   J1939Device node;
   node.open = device.open;
+  node.bounds = device.bounds;
   node.claims.address = device.claims.address;
   node.claims.patience = device.claims.patience;
   return node;
@@ -599,7 +600,8 @@ SuiteResult run_iso_valve_suite(const IsoValveDevice& device, const SuiteOptions
   SuiteResult result;
   result.suite = "iso11783-valves";
   J1939Device node = node_of(device);
-  open_line(node);
+  node.bounds->begin();
+  prepare_suite([&] { open_line(node); });
   for (const IsoValveCase& each : iso_valve_cases()) {
     if (!is_wanted(each.identity.id, options.wanted)) {
       continue;
@@ -608,15 +610,16 @@ SuiteResult run_iso_valve_suite(const IsoValveDevice& device, const SuiteOptions
       result.cases.push_back(std::move(*hindered));
       continue;
     }
-    T trial(each.identity, node);
-    each.run(trial, device.claims);
-    result.cases.push_back(trial.result());
+    result.cases.push_back(try_case(
+        each.identity, *node.bounds, [&] { return T(each.identity, node); },
+        [&](T& trial) { each.run(trial, device.claims); }));
   }
   return result;
 }
 
 IsoValveClaims survey_iso_valves(const IsoValveDevice& device) {
   J1939Device node = node_of(device);
+  node.bounds->begin();
   open_line(node);
   IsoValveClaims claims = device.claims;
   std::optional<std::uint8_t> address;

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "conform/bounds.h"
 #include "conform/j1939/j1939_trial.h"
 #include "conform/suite_options.h"
 
@@ -38,6 +39,7 @@ struct IsoValveClaims {
 struct IsoValveDevice {
   std::function<std::unique_ptr<CanLine>()> open;  ///< May throw Unreachable.
   IsoValveClaims claims;
+  std::shared_ptr<Bounds> bounds = std::make_shared<Bounds>();
 };
 
 struct IsoValveCase {

@@ -57,7 +57,8 @@ SuiteResult run_j1939_suite(J1939Device& device, const SuiteOptions& options) {
   SuiteResult result;
   result.suite = "j1939";
   device.lost.clear();
-  open_line(device);
+  device.bounds->begin();
+  prepare_suite([&] { open_line(device); });
   for (const J1939Case& each : j1939_cases()) {
     if (!is_wanted(each.identity.id, options.wanted)) {
       continue;
@@ -66,19 +67,22 @@ SuiteResult run_j1939_suite(J1939Device& device, const SuiteOptions& options) {
       result.cases.push_back(std::move(*hindered));
       continue;
     }
-    J1939Trial trial(each.identity, device);
-    if (device.lost.empty()) {
-      each.run(trial);
-    } else {
-      trial.broken(device.lost);
-    }
-    result.cases.push_back(trial.result());
+    result.cases.push_back(try_case(
+        each.identity, *device.bounds, [&] { return J1939Trial(each.identity, device); },
+        [&](J1939Trial& trial) {
+          if (device.lost.empty()) {
+            each.run(trial);
+          } else {
+            trial.broken(device.lost);
+          }
+        }));
   }
   device.line.reset();
   return result;
 }
 
 J1939Claims survey_j1939(J1939Device& device, std::optional<std::uint8_t> address) {
+  device.bounds->begin();
   open_line(device);
   J1939Claims claims = device.claims;
   claims.periodic.clear();

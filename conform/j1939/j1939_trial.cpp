@@ -41,7 +41,7 @@ std::string pgn_text(std::uint32_t pgn) {
 }
 
 void open_line(J1939Device& device) {
-  device.line = device.open();
+  device.line = bounded(device.open(), device.bounds);
   J1939Trial trial({}, device);
   // Function 129 (off-board diagnostic-service tool) of the global group.
   static_cast<void>(trial.send(J1939Trial::kClaim, J1939Trial::kEverybody,
@@ -55,7 +55,8 @@ J1939Trial::J1939Trial(CaseIdentity identity, J1939Device& device)
 }
 
 void J1939Trial::drain() {
-  while (device_->line->receive(now())) {
+  const auto end = now() + kDrain;
+  while (now() < end && device_->line->receive(now())) {
   }
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "conform/bounds.h"
 #include "conform/can_line.h"
 #include "conform/trial.h"
 
@@ -38,6 +39,7 @@ struct J1939Device {
   J1939Claims claims;
   std::unique_ptr<CanLine> line;
   std::string lost;  ///< Why it is not at its address any more; empty: it is.
+  std::shared_ptr<Bounds> bounds = std::make_shared<Bounds>();
 };
 
 /// Opens the bus, and claims the suite's own address there. Throws Unreachable.
@@ -86,7 +88,7 @@ class J1939Trial : public Trial {
   [[nodiscard]] std::optional<J1939Heard> hear_anybody(CanLine::Clock::time_point deadline);
   /// All of the node in this time.
   [[nodiscard]] std::vector<J1939Heard> listen(std::chrono::nanoseconds span);
-  /// What has come so far is forgotten.
+  /// What has come so far is forgotten, for at most kDrain.
   void drain();
   void show(const J1939Heard& heard);
 

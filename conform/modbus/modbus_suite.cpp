@@ -10,17 +10,9 @@ namespace modbus = protocols::modbus;
 namespace {
 
 CaseResult run_case(const ModbusCase& of, ModbusDevice& device) {
-  try {
-    ModbusTrial trial(of.identity, device);
-    try {
-      of.run(trial);
-    } catch (const Unreachable& lost) {
-      trial.broken(lost.what());
-    }
-    return trial.result();
-  } catch (const Unreachable& lost) {
-    return {of.identity, Verdict::error, "", lost.what(), {}};
-  }
+  return try_case(
+      of.identity, *device.bounds, [&] { return ModbusTrial(of.identity, device); },
+      [&](ModbusTrial& trial) { of.run(trial); });
 }
 
 /// Reads of the ranges' items: all that is there between the two, halving what is refused.
@@ -62,7 +54,8 @@ SuiteResult run_modbus_suite(ModbusDevice& device, const SuiteOptions& options) 
   SuiteResult result;
   result.suite = device.serial() ? "modbus-rtu" : "modbus-tcp";
   result.endpoint = device.endpoint.text();
-  device.line = open_bytes(device.endpoint);
+  device.bounds->begin();
+  device.line = device.connect();
   for (const ModbusCase& each : modbus_cases()) {
     if (!is_wanted(each.identity.id, options.wanted)) {
       continue;
@@ -76,6 +69,7 @@ SuiteResult run_modbus_suite(ModbusDevice& device, const SuiteOptions& options) 
 
 ModbusClaims survey_modbus(ModbusDevice& device, unsigned addresses) {
   ModbusClaims claims = device.claims;
+  device.bounds->begin();
   ModbusTrial trial({}, device);
   // Exception 1 says that it does not; who ends the connection had at least begun.
   const auto knows = [&](const Pdu& request) {

@@ -16,6 +16,7 @@ namespace {
 
 // A pause that a driver, a pseudo-terminal or an adapter makes within a frame is shorter.
 constexpr milliseconds kFrameEnds{50};
+constexpr std::size_t kLongestFrame = 256;  // bytes, with address and check
 
 std::vector<std::uint8_t> copy(std::span<const std::uint8_t> bytes) {
   return {bytes.begin(), bytes.end()};
@@ -39,6 +40,11 @@ Pdu with(Pdu pdu, std::initializer_list<unsigned> bytes) {
   return pdu;
 }
 
+std::unique_ptr<ByteLine> ModbusDevice::connect() const {
+  bounds->check();
+  return bounded(open_bytes(endpoint), bounds);
+}
+
 ModbusTrial::ModbusTrial(CaseIdentity identity, ModbusDevice& device)
     : Trial(std::move(identity)), device_(&device) {
   reopen();
@@ -48,11 +54,14 @@ void ModbusTrial::reopen() {
   arrived_.clear();
   if (!serial() || device_->line == nullptr || device_->line->closed()) {
     device_->line.reset();
-    device_->line = open_bytes(device_->endpoint);
+    device_->line = device_->connect();
     return;
   }
   std::vector<std::uint8_t> old;
-  while (device_->line->receive(old, ByteLine::Clock::now() + milliseconds(5))) {
+  const auto end = ByteLine::Clock::now() + kDrain;
+  while (ByteLine::Clock::now() < end &&
+         device_->line->receive(old, ByteLine::Clock::now() + milliseconds(5))) {
+    old.clear();
   }
 }
 
@@ -156,12 +165,16 @@ std::optional<Pdu> ModbusTrial::tcp_answer(ByteLine::Clock::time_point /*deadlin
 }
 
 std::optional<Pdu> ModbusTrial::serial_answer(ByteLine::Clock::time_point deadline) {
+  // An answer that begins in time may end behind the deadline; noise ends it there.
+  const modbus::RtuTiming timing{endpoint().rate, claims().character};
+  const auto end = deadline + timing.characters(kLongestFrame) + kFrameEnds;
   while (true) {
+    const auto now = ByteLine::Clock::now();
     const bool more =
-        line().receive(arrived_, arrived_.empty() ? deadline : ByteLine::Clock::now() + kFrameEnds);
+        line().receive(arrived_, arrived_.empty() ? deadline : std::min(now + kFrameEnds, end));
     const auto frame = modbus::decode_rtu(arrived_);
     const bool whole = frame.ok() && !modbus::decode_response(frame->pdu).incomplete();
-    if (more && !whole) {
+    if (more && !whole && arrived_.size() <= kLongestFrame) {
       continue;
     }
     if (!more && arrived_.empty()) {

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "conform/bounds.h"
 #include "conform/byte_line.h"
 #include "conform/modbus/modbus_claims.h"
 #include "conform/trial.h"
@@ -37,8 +38,11 @@ struct ModbusDevice {
   ModbusClaims claims;
   std::unique_ptr<ByteLine> line;  ///< Of a serial endpoint kept, of TCP new for each case.
   std::uint16_t transaction = 0;   ///< Of the last request.
+  std::shared_ptr<Bounds> bounds = std::make_shared<Bounds>();
 
   [[nodiscard]] bool serial() const { return endpoint.kind == Endpoint::Kind::serial; }
+  /// A new way to the device, within the bounds. Throws Unreachable, TimeIsUp.
+  [[nodiscard]] std::unique_ptr<ByteLine> connect() const;
 };
 
 class ModbusTrial : public Trial {
@@ -72,10 +76,10 @@ class ModbusTrial : public Trial {
 
   // Below the requests.
 
-  /// A new connection; of a serial line its input is thrown away.
+  /// A new connection; of a serial line its input is thrown away, for at most kDrain.
   void reopen();
   /// A connection beside the first.
-  [[nodiscard]] std::unique_ptr<ByteLine> another() const { return open_bytes(device_->endpoint); }
+  [[nodiscard]] std::unique_ptr<ByteLine> another() const { return device_->connect(); }
   [[nodiscard]] ByteLine& line() { return *device_->line; }
   /// Bytes as they are. False when the device takes none.
   bool send(std::span<const std::uint8_t> bytes, std::string words);

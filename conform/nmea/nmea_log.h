@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "protocols/gnss_stream/splitter.h"
@@ -43,6 +44,10 @@ class NmeaLog {
   /// Bytes as they came; may end within a line. Messages of UBX and RTCM 3 between the sentences
   /// are passed over.
   void add(std::chrono::nanoseconds at, std::span<const std::uint8_t> bytes);
+  /// More came than is kept: listening ended there. `allowed` says how much may come.
+  void overflow(std::string allowed) { overflow_ = std::move(allowed); }
+  /// Empty: everything that came is here.
+  [[nodiscard]] const std::string& overflow() const { return overflow_; }
   /// To be called once, when listening ends: groups what came.
   void close();
 
@@ -61,6 +66,7 @@ class NmeaLog {
   std::vector<NmeaSentence> sentences_;
   std::vector<NmeaEpoch> epochs_;
   std::chrono::nanoseconds span_{};
+  std::string overflow_;
 };
 
 /// Which field of a type is the time of day; nothing: none.

@@ -694,14 +694,27 @@ std::vector<NmeaCase> nmea_cases() {
 
 NmeaLog listen_nmea(const Endpoint& endpoint, std::chrono::nanoseconds span) {
   const auto line = open_bytes(endpoint);
+  return listen_nmea(*line, span);
+}
+
+NmeaLog listen_nmea(ByteLine& line, std::chrono::nanoseconds span) {
+  // Four times what a line of 921600 baud carries.
+  constexpr std::size_t kPerSecond = 368'640;
+  const auto seconds = std::chrono::ceil<std::chrono::seconds>(span);
+  const std::size_t most = kPerSecond * (1U + static_cast<std::size_t>(seconds.count()));
   NmeaLog log;
-  const auto begin = ByteLine::Clock::now();
+  const auto begin = line.now();
+  std::size_t came = 0;
   std::vector<std::uint8_t> bytes;
-  while (ByteLine::Clock::now() < begin + span && !line->closed()) {
+  while (line.now() < begin + span && !line.closed() && came <= most) {
     bytes.clear();
-    if (line->receive(bytes, begin + span)) {
-      log.add(ByteLine::Clock::now() - begin, bytes);
+    if (line.receive(bytes, begin + span)) {
+      came += bytes.size();
+      log.add(line.now() - begin, bytes);
     }
+  }
+  if (came > most) {
+    log.overflow(std::to_string(most) + " bytes in " + std::to_string(seconds.count()) + " s");
   }
   log.close();
   return log;
@@ -716,7 +729,9 @@ SuiteResult run_nmea_suite(const NmeaLog& log, const NmeaClaims& claims,
       continue;
     }
     Trial trial(each.identity);
-    if (log.sentences().empty()) {
+    if (!log.overflow().empty()) {
+      trial.demand(false, "at most " + log.overflow(), "more");
+    } else if (log.sentences().empty()) {
       trial.broken("no sentence came");
     } else {
       each.run(trial, log, claims);
@@ -727,6 +742,9 @@ SuiteResult run_nmea_suite(const NmeaLog& log, const NmeaClaims& claims,
 }
 
 NmeaClaims survey_nmea(const NmeaLog& log) {
+  if (!log.overflow().empty()) {
+    throw Unreachable("the device sends without end: more than " + log.overflow());
+  }
   NmeaClaims claims;
   std::vector<double> periods = periods_s(log);
   if (!periods.empty()) {

@@ -33,11 +33,14 @@ struct NmeaCase {
 /// Listens for that long. Throws Unreachable.
 [[nodiscard]] NmeaLog listen_nmea(const Endpoint& endpoint, std::chrono::nanoseconds span);
 
+/// The same on an open line, in its time. At most 360 KiB per second are kept (NmeaLog::overflow).
+[[nodiscard]] NmeaLog listen_nmea(ByteLine& line, std::chrono::nanoseconds span);
+
 /// Looks through what was said.
 [[nodiscard]] SuiteResult run_nmea_suite(const NmeaLog& log, const NmeaClaims& claims,
                                          const SuiteOptions& options);
 
-/// The claims of somebody who says this.
+/// The claims of somebody who says this. Throws Unreachable where more came than is kept.
 [[nodiscard]] NmeaClaims survey_nmea(const NmeaLog& log);
 
 }  // namespace rigwire::conform

@@ -18,28 +18,21 @@ std::string missing(const UbxCase& of, const UbxClaims& claims) {
 }
 
 CaseResult run_case(const UbxCase& of, UbxDevice& device) {
-  try {
-    UbxTrial trial(of.identity, device);
-    try {
-      of.run(trial);
-    } catch (const Unreachable& lost) {
-      trial.broken(lost.what());
-    }
-    CaseResult result = trial.result();
-    if (!trial.fine()) {  // What is late of this case is not of the next.
-      static_cast<void>(trial.listen(std::chrono::milliseconds(300)));
-    }
-    return result;
-  } catch (const Unreachable& lost) {
-    return {of.identity, Verdict::error, "", lost.what(), {}};
-  }
+  return try_case(
+      of.identity, *device.bounds, [&] { return UbxTrial(of.identity, device); },
+      [&](UbxTrial& trial) {
+        of.run(trial);
+        if (!trial.fine()) {  // What is late of this case is not of the next.
+          static_cast<void>(trial.listen(std::chrono::milliseconds(300)));
+        }
+      });
 }
 
 /// Opens the line, and gives a receiver that has just been switched on the time to hear: it is
 /// asked for its version a few times. Whether it has answered. Throws Unreachable.
 bool open_line(UbxDevice& device) {
   constexpr int kTries = 3;
-  device.line = device.open();
+  device.line = bounded(device.open(), device.bounds);
   device.arrived.clear();
   device.synchronized = false;
   for (int i = 0; i < kTries; ++i) {
@@ -66,7 +59,8 @@ std::vector<UbxCase> ubx_cases() {
 SuiteResult run_ubx_suite(UbxDevice& device, const SuiteOptions& options) {
   SuiteResult result;
   result.suite = "ubx";
-  static_cast<void>(open_line(device));
+  device.bounds->begin();
+  prepare_suite([&] { static_cast<void>(open_line(device)); });
   for (const UbxCase& each : ubx_cases()) {
     if (is_wanted(each.identity.id, options.wanted)) {
       const auto hindered = hindrance(each.identity, missing(each, device.claims), options);
@@ -80,6 +74,7 @@ SuiteResult run_ubx_suite(UbxDevice& device, const SuiteOptions& options) {
 UbxClaims survey_ubx(UbxDevice& device) {
   UbxClaims claims = device.claims;
   claims.messages.clear();
+  device.bounds->begin();
   if (open_line(device)) {
     claims.messages.emplace_back("MON-VER");
   }

@@ -83,7 +83,8 @@ UbxTrial::UbxTrial(CaseIdentity identity, UbxDevice& device)
     device_->line.reset();
     device_->arrived.clear();
     device_->synchronized = false;
-    device_->line = device_->open();
+    device_->bounds->check();
+    device_->line = bounded(device_->open(), device_->bounds);
     restart_clock();
   }
   drain();
@@ -121,7 +122,7 @@ std::optional<UbxHeard> UbxTrial::take(bool& more) {
       break;
     }
   }
-  if (at > 0 && device_->synchronized) {
+  if (at > 0 && device_->synchronized && fine()) {  // Once is enough: noise has no end.
     const UbxBytes between(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(at));
     received(between, "none of UBX, NMEA and RTCM");
     demand(false, "whole frames, sentences and messages with right checks alone",
@@ -161,7 +162,8 @@ std::vector<UbxHeard> UbxTrial::listen(std::chrono::nanoseconds span) {
 }
 
 void UbxTrial::drain() {
-  while (hear(now() + milliseconds(1))) {
+  const auto end = now() + kDrain;
+  while (now() < end && hear(now() + milliseconds(1))) {
   }
 }
 

@@ -19,6 +19,7 @@
 #include <string_view>
 #include <vector>
 
+#include "conform/bounds.h"
 #include "conform/byte_line.h"
 #include "conform/bytes.h"
 #include "conform/trial.h"
@@ -47,6 +48,7 @@ struct UbxDevice {
   std::unique_ptr<ByteLine> line;
   UbxBytes arrived;           ///< And not yet taken apart.
   bool synchronized = false;  ///< Something whole has come since the line was opened.
+  std::shared_ptr<Bounds> bounds = std::make_shared<Bounds>();
 };
 
 /// One thing that came.
@@ -75,7 +77,7 @@ class UbxTrial : public Trial {
   [[nodiscard]] std::optional<UbxHeard> hear(ByteLine::Clock::time_point deadline);
   /// All that comes in this time.
   [[nodiscard]] std::vector<UbxHeard> listen(std::chrono::nanoseconds span);
-  /// What has come so far is forgotten.
+  /// What has come so far is forgotten, for at most kDrain.
   void drain();
 
   bool send(const UbxBytes& bytes, std::string words);

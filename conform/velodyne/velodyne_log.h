@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "conform/datagram_line.h"
@@ -109,6 +110,10 @@ class VelodyneLog {
   /// In the order in which they came.
   void add_data(VelodyneDatagram datagram);
   void add_position(VelodyneDatagram datagram);
+  /// More came than is kept: listening ended there. `allowed` says how much may come.
+  void overflow(std::string allowed) { overflow_ = std::move(allowed); }
+  /// Empty: everything that came is here.
+  [[nodiscard]] const std::string& overflow() const { return overflow_; }
   /// To be called once, when listening ends. `lost_here`: what this machine did not take in time.
   void close(std::chrono::nanoseconds span, std::uint64_t lost_here, const VelodyneClaims& claims);
 
@@ -156,6 +161,7 @@ class VelodyneLog {
   protocols::velodyne::ReturnMode mode_ = protocols::velodyne::ReturnMode::strongest;
   std::vector<std::int64_t> steps_us_;
   std::vector<VelodyneFiring> firings_;
+  std::string overflow_;
 };
 
 /// From one azimuth to another, counts, -18000 .. 17999.

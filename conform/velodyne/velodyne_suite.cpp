@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "conform/bounds.h"
 #include "conform/datagram_line.h"
 
 namespace rigwire::conform {
@@ -54,9 +55,25 @@ VelodyneLog listen_velodyne(const Endpoint& endpoint, std::chrono::nanoseconds s
     ports.push_back(claims.position_port);
   }
   const auto line = open_datagrams(endpoint.address, ports);
+  return listen_velodyne(*line, span, claims);
+}
+
+VelodyneLog listen_velodyne(DatagramLine& line, std::chrono::nanoseconds span,
+                            const VelodyneClaims& claims) {
+  // Twice what a VLS-128 sends of dual returns.
+  constexpr std::size_t kPerSecond = 32U << 20U;
+  const auto seconds = std::chrono::ceil<std::chrono::seconds>(span);
+  const std::size_t most = kPerSecond * (1U + static_cast<std::size_t>(seconds.count()));
+  std::size_t came = 0;
   VelodyneLog log;
-  const auto begin = line->now();
-  while (auto datagram = line->receive(begin + span)) {
+  const auto begin = line.now();
+  while (auto datagram = line.receive(begin + span)) {
+    came += datagram->bytes.size() + kItem_bytes;
+    if (came > most) {
+      log.overflow(std::to_string(most >> 20U) + " MiB in " + std::to_string(seconds.count()) +
+                   " s");
+      break;
+    }
     VelodyneDatagram heard{datagram->at - begin, std::move(datagram->from),
                            std::move(datagram->bytes)};
     if (datagram->at >= begin + span) {
@@ -68,7 +85,7 @@ VelodyneLog listen_velodyne(const Endpoint& endpoint, std::chrono::nanoseconds s
       log.add_position(std::move(heard));
     }
   }
-  log.close(span, line->lost_here(), claims);
+  log.close(span, line.lost_here(), claims);
   return log;
 }
 
@@ -81,7 +98,9 @@ SuiteResult run_velodyne_suite(const VelodyneLog& log, const VelodyneClaims& cla
       continue;
     }
     Trial trial(each.identity);
-    if (log.data_datagrams().empty()) {
+    if (!log.overflow().empty()) {
+      trial.demand(false, "at most " + log.overflow(), "more");
+    } else if (log.data_datagrams().empty()) {
       trial.broken("no data packet came");
     } else if (auto hindered = hindrance(each.identity, each.missing(log, claims), options)) {
       result.cases.push_back(std::move(*hindered));
@@ -97,6 +116,9 @@ SuiteResult run_velodyne_suite(const VelodyneLog& log, const VelodyneClaims& cla
 }
 
 VelodyneClaims survey_velodyne(const VelodyneLog& log) {
+  if (!log.overflow().empty()) {
+    throw Unreachable("the device sends without end: more than " + log.overflow());
+  }
   VelodyneClaims claims;
   if (log.model() == nullptr) {
     return claims;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "conform/conformance_case.h"
+#include "conform/datagram_line.h"
 #include "conform/endpoint.h"
 #include "conform/suite_options.h"
 #include "conform/trial.h"
@@ -50,11 +51,16 @@ struct VelodyneRow {
 [[nodiscard]] VelodyneLog listen_velodyne(const Endpoint& endpoint, std::chrono::nanoseconds span,
                                           const VelodyneClaims& claims);
 
+/// The same at open ports, in their time: first the one of data packets, then the one of position
+/// packets. At most 32 MiB per second are kept (VelodyneLog::overflow).
+[[nodiscard]] VelodyneLog listen_velodyne(DatagramLine& line, std::chrono::nanoseconds span,
+                                          const VelodyneClaims& claims);
+
 /// Looks through what was sent.
 [[nodiscard]] SuiteResult run_velodyne_suite(const VelodyneLog& log, const VelodyneClaims& claims,
                                              const SuiteOptions& options);
 
-/// The claims of somebody who sends this.
+/// The claims of somebody who sends this. Throws Unreachable where more came than is kept.
 [[nodiscard]] VelodyneClaims survey_velodyne(const VelodyneLog& log);
 
 /// Names of return modes and of pulse states, as claims have them.

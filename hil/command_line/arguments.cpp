@@ -303,6 +303,11 @@ void declare(CLI::App& app, Parsed& parsed) {
   conform_app->add_option("--listen", parsed.listen,
                           "To a device that speaks by itself: 10 s or another time");
   conform_app
+      ->add_option("--limit", parsed.limit,
+                   "Longest time of all cases together: 20 min with ubx, 15 min with j1939, 10 min "
+                   "with the others")
+      ->excludes(listed);
+  conform_app
       ->add_flag("--writes", conform.writes,
                  "Also cases that change what the profile says may be, and put it back")
       ->excludes(make);

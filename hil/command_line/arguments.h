@@ -65,6 +65,7 @@ struct Parsed {
   ConformRequest conform;
   CampaignRequest campaign;
   std::optional<std::string> listen;
+  std::optional<std::string> limit;
 };
 
 /// Verbs, options, help and examples; `parsed` must outlive the app.

@@ -452,6 +452,15 @@ int dispatch_conform(Parsed& parsed, const CompanionVerbs& companions, Terminal 
     }
     parsed.conform.listen = *listen;
   }
+  if (parsed.limit) {
+    const auto limit = parse_duration(*parsed.limit);
+    if (!limit || *limit < std::chrono::seconds{1} || *limit > std::chrono::hours{24}) {
+      return usage(
+          fmt::format("--limit: found \"{}\", allowed a time from 1 s to 24 h", *parsed.limit),
+          terminal.err, "conform");
+    }
+    parsed.conform.limit = *limit;
+  }
   return companions.conform(parsed.conform, terminal.out, terminal.err);
 }
 

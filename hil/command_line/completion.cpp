@@ -45,7 +45,7 @@ _rigwire() {
     list) local options="devices machines scenes rigs campaigns faults keys --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
-    conform) local options="modbus-tcp modbus-rtu nmea ubx canopen j1939 iso11783-valves velodyne gige-vision --list --listen --profile --make-profile --addresses --address --writes --moves --robustness --allow-remote --expect --json --junit --html --beside --captures --help" ;;
+    conform) local options="modbus-tcp modbus-rtu nmea ubx canopen j1939 iso11783-valves velodyne gige-vision --list --listen --limit --profile --make-profile --addresses --address --writes --moves --robustness --allow-remote --expect --json --junit --html --beside --captures --help" ;;
     schema) local options="rig machine scene valve-map dbc-node campaign --help" ;;
     record) local options="info cut export --from --to --topic --output --json --help" ;;
     replay) local options="--verify --json --dashboard --control --ready-fd --clock --loop --speed --from --to --log-level --help" ;;
@@ -107,7 +107,7 @@ _rigwire() {
     list) compadd -- devices machines scenes rigs campaigns faults keys --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
-    conform) compadd -- modbus-tcp modbus-rtu nmea ubx canopen j1939 iso11783-valves velodyne gige-vision --list --listen --profile --make-profile --addresses --address --writes --moves --robustness --allow-remote --expect --json --junit --html --beside --captures --help ;;
+    conform) compadd -- modbus-tcp modbus-rtu nmea ubx canopen j1939 iso11783-valves velodyne gige-vision --list --listen --limit --profile --make-profile --addresses --address --writes --moves --robustness --allow-remote --expect --json --junit --html --beside --captures --help ;;
     schema) compadd -- rig machine scene valve-map dbc-node campaign ;;
     record) compadd -- info cut export --from --to --topic --output --json --help ;;
     replay) compadd -- --verify --json --dashboard --control --ready-fd --clock --loop --speed --from --to --log-level --help ;;
@@ -204,6 +204,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from conform" -l addresses -x
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l address -x
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l moves -x
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l listen -x
+complete -c rigwire -n "__fish_seen_subcommand_from conform" -l limit -x
 complete -c rigwire -n "__fish_seen_subcommand_from conform" -l captures -x -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from schema" -a "rig machine scene valve-map dbc-node campaign"
 complete -c rigwire -n "__fish_seen_subcommand_from ctl" -a "state read pause resume run_until seek step speed wait fault_add fault_clear fault_list events record set stop"

@@ -104,7 +104,8 @@ struct ConformRequest {
   unsigned addresses = 1000;            ///< With make_profile: those below are looked for.
   std::optional<std::uint8_t> address;  ///< With make_profile of j1939: the node that is meant.
   std::chrono::nanoseconds listen = std::chrono::seconds{10};  ///< To who speaks by itself.
-  std::string expectations;                                    ///< File of known deviations.
+  std::optional<std::chrono::nanoseconds> limit;  ///< Of the whole suite; empty: the suite's own.
+  std::string expectations;                       ///< File of known deviations.
   std::string json;  ///< Files; empty: not written, "-": standard output.
   std::string junit;
   std::string html;

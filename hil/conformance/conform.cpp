@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "conform/bounds.h"
 #include "conform/canopen/canopen_suite.h"
 #include "conform/gige_vision/gige_vision_suite.h"
 #include "conform/iso_valves/iso_valves_suite.h"
@@ -82,9 +84,15 @@ struct Suite {
   conform::EndpointDefaults defaults;
   bool needs_profile = true;  ///< Else it looks through what is said without claims.
   bool sends = true;          ///< Else it only listens.
+  /// Without --limit: about five times what the suite takes of a device that answers. 0: it only
+  /// listens, and ends with --listen.
+  std::chrono::minutes limit{10};
   Identities (*identities)();
   Ask ask;
 };
+
+/// The bounds of a suite that asks.
+std::shared_ptr<conform::Bounds> bounds_of(const ConformRequest& request);
 
 conform::SuiteOptions options_of(const ConformRequest& request) {
   return {request.wanted, request.writes, request.robustness, request.moves.has_value()};
@@ -92,6 +100,7 @@ conform::SuiteOptions options_of(const ConformRequest& request) {
 
 SuiteResult ask_modbus(const ConformRequest& request, const Place& place, std::ostream& out) {
   conform::ModbusDevice device;
+  device.bounds = bounds_of(request);
   device.endpoint = place.endpoint;
   if (request.make_profile) {
     out << profile_text(survey_modbus(device, request.addresses), request.endpoint);
@@ -118,6 +127,7 @@ SuiteResult ask_nmea(const ConformRequest& request, const Place& place, std::ost
 
 SuiteResult ask_ubx(const ConformRequest& request, const Place& place, std::ostream& out) {
   conform::UbxDevice device;
+  device.bounds = bounds_of(request);
   device.open = [&place] { return conform::open_bytes(place.endpoint); };
   if (request.make_profile) {
     out << profile_text(survey_ubx(device), request.endpoint);
@@ -131,6 +141,7 @@ SuiteResult ask_ubx(const ConformRequest& request, const Place& place, std::ostr
 
 SuiteResult ask_canopen(const ConformRequest& request, const Place& place, std::ostream& out) {
   conform::CanopenDevice device;
+  device.bounds = bounds_of(request);
   device.open = [&place] { return conform::open_can(place.endpoint); };
   if (request.make_profile) {
     out << profile_text(survey_canopen(device), request.endpoint);
@@ -144,6 +155,7 @@ SuiteResult ask_canopen(const ConformRequest& request, const Place& place, std::
 
 SuiteResult ask_j1939(const ConformRequest& request, const Place& place, std::ostream& out) {
   conform::J1939Device device;
+  device.bounds = bounds_of(request);
   device.open = [&place] { return conform::open_can(place.endpoint); };
   if (request.make_profile) {
     out << profile_text(survey_j1939(device, request.address), request.endpoint);
@@ -157,6 +169,7 @@ SuiteResult ask_j1939(const ConformRequest& request, const Place& place, std::os
 
 SuiteResult ask_iso_valves(const ConformRequest& request, const Place& place, std::ostream& out) {
   conform::IsoValveDevice device;
+  device.bounds = bounds_of(request);
   device.open = [&place] { return conform::open_can(place.endpoint); };
   if (request.make_profile) {
     out << profile_text(survey_iso_valves(device), request.endpoint);
@@ -189,6 +202,7 @@ SuiteResult ask_velodyne(const ConformRequest& request, const Place& place, std:
 
 SuiteResult ask_gige_vision(const ConformRequest& request, const Place& place, std::ostream& out) {
   conform::GigeVisionDevice device;
+  device.bounds = bounds_of(request);
   device.camera = {place.endpoint.address, place.endpoint.port};
   device.own_address = conform::own_address_towards(device.camera);
   device.open = [&device] {
@@ -213,6 +227,7 @@ const std::vector<Suite>& suites() {
        {.port = 502},
        true,
        true,
+       std::chrono::minutes{10},
        [] { return modbus_identities(true); },
        ask_modbus},
       {"modbus-rtu",
@@ -221,6 +236,7 @@ const std::vector<Suite>& suites() {
        {.rate = 19'200},
        true,
        true,
+       std::chrono::minutes{10},
        [] { return modbus_identities(false); },
        ask_modbus},
       {"nmea",
@@ -229,6 +245,7 @@ const std::vector<Suite>& suites() {
        {.port = 10'110, .rate = 9600},
        false,
        false,
+       std::chrono::minutes{0},
        [] { return identities_of(conform::nmea_cases()); },
        ask_nmea},
       {"ubx",
@@ -237,6 +254,7 @@ const std::vector<Suite>& suites() {
        {.port = 2947, .rate = 9600},
        true,
        true,
+       std::chrono::minutes{20},
        [] { return identities_of(conform::ubx_cases()); },
        ask_ubx},
       {"canopen",
@@ -245,6 +263,7 @@ const std::vector<Suite>& suites() {
        {.rate = 250'000},
        true,
        true,
+       std::chrono::minutes{10},
        [] { return identities_of(conform::canopen_cases()); },
        ask_canopen},
       {"j1939",
@@ -253,6 +272,7 @@ const std::vector<Suite>& suites() {
        {.rate = 250'000},
        true,
        true,
+       std::chrono::minutes{15},
        [] { return identities_of(conform::j1939_cases()); },
        ask_j1939},
       {"iso11783-valves",
@@ -261,6 +281,7 @@ const std::vector<Suite>& suites() {
        {.rate = 250'000},
        true,
        true,
+       std::chrono::minutes{10},
        [] { return identities_of(conform::iso_valve_cases()); },
        ask_iso_valves},
       {"velodyne",
@@ -269,6 +290,7 @@ const std::vector<Suite>& suites() {
        {.port = 2368},
        false,
        false,
+       std::chrono::minutes{0},
        [] { return identities_of(conform::velodyne_cases()); },
        ask_velodyne},
       {"gige-vision",
@@ -277,6 +299,7 @@ const std::vector<Suite>& suites() {
        {.port = 3956},
        true,
        true,
+       std::chrono::minutes{10},
        [] { return identities_of(conform::gige_vision_cases()); },
        ask_gige_vision},
   };
@@ -285,6 +308,10 @@ const std::vector<Suite>& suites() {
 
 const Suite& suite_of(const std::string& name) {
   return *std::ranges::find(suites(), name, &Suite::name);
+}
+
+std::shared_ptr<conform::Bounds> bounds_of(const ConformRequest& request) {
+  return std::make_shared<conform::Bounds>(request.limit.value_or(suite_of(request.suite).limit));
 }
 
 /// Whether a suite of these cases does anything else with an option of SuiteOptions.
@@ -317,6 +344,9 @@ void check_options(const ConformRequest& request) {
       }
       refuse(std::string(each.name), request.suite, "a suite with cases for it: " + allowed);
     }
+  }
+  if (request.limit && suite_of(request.suite).limit.count() == 0) {
+    refuse("--limit", request.suite, "a suite that asks; this one listens for --listen");
   }
   if (request.moves && *request.moves != request.endpoint) {
     refuse("--moves", *request.moves,
@@ -427,6 +457,7 @@ std::vector<std::string> surprises(const SuiteResult& result, const std::string&
       lines.push_back(each.identity.id + ": expected to be " + known->second + ", is " + verdict);
     } else if (known == expected.end() &&
                (each.verdict == Verdict::fail || each.verdict == Verdict::error ||
+                each.verdict == Verdict::not_reached ||
                 (each.verdict == Verdict::lenient && !file.empty()))) {
       lines.push_back(each.identity.id + ": " + verdict);
     }
@@ -517,6 +548,8 @@ int conform(const ConformRequest& request, std::ostream& out, std::ostream& err)
     results[0] = suite.ask(request, place, out);
   } catch (const conform::Unreachable& lost) {
     throw drivers::EndpointError(lost.what());
+  } catch (const conform::BoundReached& bound) {
+    throw drivers::EndpointError(request.endpoint + ": " + bound.what());
   }
   constexpr double kNoticeable_s = 0.05;
   if (const double slipped_s = place.rig ? place.rig->finish() : 0.0; slipped_s > kNoticeable_s) {
@@ -546,6 +579,10 @@ int conform(const ConformRequest& request, std::ostream& out, std::ostream& err)
       }
     }
     out << result.suite << " " << result.endpoint << ": " << summary(result) << "\n";
+  }
+  if (const std::size_t missed = result.count(Verdict::not_reached); missed > 0) {
+    err << fmt::format("rigwire: {} cases not reached: the time is up; --limit allows more\n",
+                       missed);
   }
   const std::vector<std::string> surprising = surprises(result, request.expectations);
   for (const std::string& line : surprising) {

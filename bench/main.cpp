@@ -15,6 +15,7 @@
 #include "bench/host.h"
 #include "bench/registry.h"
 #include "bench/suites.h"
+#include "fields/failure_text.h"
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/suggest.h"
 
@@ -134,7 +135,8 @@ int main(int count, char** arguments) {
   try {
     return run(count, arguments);
   } catch (const std::exception& error) {
-    std::cerr << "rigwire-bench: " << error.what() << "\n";
+    std::cerr << "rigwire-bench: " << rigwire::fields::failure_text(error, "the measurements")
+              << "\n";
     return static_cast<int>(rigwire::hil::ExitCode::failure);
   }
 }

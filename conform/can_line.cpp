@@ -30,8 +30,8 @@ using std::chrono::milliseconds;
 namespace {
 
 // What may wait in the system's queue when a deadline passes.
-constexpr std::size_t kQueue_frames = 4096;
-constexpr std::size_t kQueue_bytes = 64U << 10U;
+constexpr std::size_t kWaitingFrames = 4096;
+constexpr std::size_t kWaitingBytes = 64U << 10U;
 
 class InterfaceLine final : public CanLine {
  public:
@@ -60,7 +60,7 @@ class InterfaceLine final : public CanLine {
       can_frame raw{};
       if (::read(descriptor_.get(), &raw, sizeof raw) == sizeof raw) {
         if ((raw.can_id & CAN_ERR_FLAG) != 0) {
-          if (Clock::now() > deadline && ++errors_behind > kQueue_frames) {
+          if (Clock::now() > deadline && ++errors_behind > kWaitingFrames) {
             return std::nullopt;
           }
           continue;
@@ -133,7 +133,7 @@ class AdapterLine final : public CanLine {
       }
       bytes_.clear();
       used_ = 0;
-      if (behind > kQueue_bytes || !line_->receive(bytes_, deadline)) {
+      if (behind > kWaitingBytes || !line_->receive(bytes_, deadline)) {
         return std::nullopt;
       }
       behind += Clock::now() > deadline ? bytes_.size() : 0;

@@ -33,7 +33,7 @@ Word of_word(const std::string& text, const std::array<Word, n>& all) {
   return *found;
 }
 
-std::string milliseconds(std::chrono::nanoseconds time) {
+std::string milliseconds_text(std::chrono::nanoseconds time) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3f", static_cast<double>(time.count()) * 1e-6);
   return text.data();
@@ -58,7 +58,7 @@ std::string story(const CaseResult& result) {
     text += (result.expected.empty() ? "" : "got: ") + result.got + "\n";
   }
   for (const Step& step : result.steps) {
-    text += milliseconds(step.at) + " ms " + std::string(word(step.kind)) + ": " + step.words;
+    text += milliseconds_text(step.at) + " ms " + std::string(word(step.kind)) + ": " + step.words;
     if (!step.bytes.empty()) {
       text += "\n    " + hex_text(step.bytes);
     }

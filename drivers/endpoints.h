@@ -34,6 +34,7 @@ struct EndpointStatus {
   /// Programs that share a line with one plug; 0: not known, or nobody (drivers/line_watch.h).
   unsigned readers = 0;
   unsigned further_ports = 0;  ///< Open beside `address`, under its name with ".1", ".2" ...
+  std::uint64_t cut_off = 0;   ///< Clients that a stream server closed since they did not read.
 };
 
 /// The far end of a serial line.
@@ -158,7 +159,8 @@ class StreamServer {
   virtual ~StreamServer() = default;
   virtual void start(Handler handler) = 0;
   /// False when the connection is gone or its client has not read for so long that its bounded
-  /// backlog is full; the connection is then closed.
+  /// backlog is full; the connection is then closed. While anything waits for a client, nothing
+  /// more is read from it.
   virtual bool send(ConnectionId connection, std::span<const std::uint8_t> bytes) = 0;
   virtual void close(ConnectionId connection) = 0;
   /// Where it listens; zeros where that is no address of IPv4.

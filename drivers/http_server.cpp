@@ -511,8 +511,9 @@ HttpServer::HttpServer(asio::io_context& context, const HttpServerSettings& sett
   check_setting<std::int64_t>(kServer, "patience in ms", settings.patience.count(), 1, 3'600'000);
   auto state = std::make_shared<State>(context, settings);
   if (settings.path.empty()) {
-    state->settings.port =
-        listen(state->acceptor, "http", settings.address, settings.port, settings.allow_remote);
+    state->settings.port = listen_again(state->acceptor, settings.kept.get(), "http",
+                                        settings.address, settings.port, settings.allow_remote);
+    state->kept = settings.kept;
   } else {
     state->settings.port = 0;
     state->listen_at_path();

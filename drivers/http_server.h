@@ -37,12 +37,17 @@
 
 namespace rigwire::drivers {
 
+class KeptListener;
+
 struct HttpServerSettings {
   std::string address = "127.0.0.1";  ///< Numeric IPv4 or IPv6.
   std::uint16_t port = 8080;          ///< 0 takes a free one (tests).
   bool allow_remote = false;          ///< Opt-in for addresses other than loopback.
   std::string path;    ///< Of a Unix socket, mode 0600, in place of address and port; empty: none.
   std::string server;  ///< Header "Server"; empty: none.
+  /// Where the listening socket of a port goes when the server ends, and comes from where one is
+  /// there (drivers/listener.h); null: it is opened and closed.
+  std::shared_ptr<KeptListener> kept;
   std::size_t clients_max = 16;     ///< 1 .. 1024.
   std::size_t header_bytes = 8192;  ///< Of one request, 256 .. 64 KiB.
   std::size_t body_bytes = 65536;   ///< Of one request or one WebSocket message, 256 .. 16 MiB.

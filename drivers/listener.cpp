@@ -64,4 +64,20 @@ std::uint16_t listen(tcp::acceptor& acceptor, std::string_view protocol, const s
   return acceptor.local_endpoint().port();
 }
 
+std::uint16_t listen_again(tcp::acceptor& acceptor, KeptListener* kept, std::string_view protocol,
+                           const std::string& address, std::uint16_t port, bool allow_remote) {
+  const int socket = kept != nullptr ? kept->take() : -1;
+  if (socket < 0) {
+    return listen(acceptor, protocol, address, port, allow_remote);
+  }
+  error_code error;
+  const bool v4 = asio::ip::make_address(address, error).is_v4();
+  acceptor.assign(v4 ? tcp::v4() : tcp::v6(), socket, error);
+  if (error) {
+    const Descriptor closed(socket);
+    throw EndpointError(describe_listener(protocol, address, port) + ": " + error.message());
+  }
+  return acceptor.local_endpoint().port();
+}
+
 }  // namespace rigwire::drivers

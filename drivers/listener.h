@@ -14,6 +14,8 @@
 #include <string_view>
 #include <utility>
 
+#include "drivers/descriptor.h"
+
 namespace rigwire::drivers {
 
 /// "tcp 127.0.0.1:1502", "http [::1]:8080".
@@ -37,6 +39,30 @@ void check_setting(const char* server, const char* setting, Number value, Number
   }
 }
 
+/// A listening socket between two servers at one port: the port stays this program's, and clients
+/// that connect meanwhile wait for the next server. Belongs to one thread at a time.
+class KeptListener {
+ public:
+  KeptListener() = default;
+  ~KeptListener() { keep(-1); }
+  KeptListener(const KeptListener&) = delete;
+  KeptListener& operator=(const KeptListener&) = delete;
+
+  /// Owns `socket` from now on, in place of the one before.
+  void keep(int socket) { const Descriptor before(std::exchange(socket_, socket)); }
+  /// Hands the socket over; negative: there is none.
+  [[nodiscard]] int take() { return std::exchange(socket_, -1); }
+
+ private:
+  int socket_ = -1;
+};
+
+/// As listen(), with the socket that `kept` has, if it has one; null: without. Address and port
+/// must be those of the server before.
+std::uint16_t listen_again(boost::asio::ip::tcp::acceptor& acceptor, KeptListener* kept,
+                           std::string_view protocol, const std::string& address,
+                           std::uint16_t port, bool allow_remote);
+
 /// What lets clients in; the base of a server's state, which the handlers that the io_context still
 /// holds share when the server is destroyed.
 struct Listening {
@@ -45,6 +71,9 @@ struct Listening {
   void stop() {
     stopped = true;
     boost::system::error_code ignored;
+    if (kept && acceptor.is_open()) {
+      kept->keep(acceptor.release(ignored));
+    }
     acceptor.close(ignored);
     retry.cancel(ignored);
   }
@@ -63,6 +92,7 @@ struct Listening {
 
   boost::asio::ip::tcp::acceptor acceptor;
   boost::asio::steady_timer retry;
+  std::shared_ptr<KeptListener> kept;  ///< Given the socket at the end; null: it is closed.
   bool stopped = false;
 };
 

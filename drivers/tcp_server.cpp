@@ -11,8 +11,10 @@
 #include <boost/asio/write.hpp>
 #include <chrono>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "drivers/endpoint_news.h"
 #include "drivers/listener.h"
 
 namespace rigwire::drivers {
@@ -22,6 +24,9 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 namespace {
+
+/// What the system may hold for a client beside the backlog, bytes; Linux doubles it.
+constexpr int kSystemBuffer_bytes = 128 << 10U;
 
 /// A vanished peer is found out after 10 s + 4 * 5 s.
 void set_keep_alive(tcp::socket& socket) {
@@ -46,18 +51,21 @@ struct TcpServer::State : Listening, std::enable_shared_from_this<State> {
     std::vector<std::uint8_t> waiting;  ///< Not yet given to the system.
     std::vector<std::uint8_t> leaving;  ///< Being written.
     bool closing = false;               ///< Ends when everything has left.
+    bool held = false;                  ///< Is read from when everything has left.
     bool ended = false;
     std::chrono::steady_clock::time_point heard = std::chrono::steady_clock::now();
   };
   using ClientPointer = std::shared_ptr<Client>;
 
   State(asio::io_context& context, TcpServerSettings wanted)
-      : Listening(context), settings(std::move(wanted)) {}
+      : Listening(context), settings(std::move(wanted)), news(endpoint_news(context)) {}
 
   TcpServerSettings settings;
   Handler handler;
   std::vector<ClientPointer> clients;
   ConnectionId next_id = 1;
+  EndpointNews& news;
+  std::uint64_t cut_off = 0;
 
   ClientPointer find(ConnectionId id) const {
     const auto found = std::ranges::find(clients, id, [](const auto& c) { return c->id; });
@@ -70,6 +78,7 @@ struct TcpServer::State : Listening, std::enable_shared_from_this<State> {
     }
     error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
+    socket.set_option(asio::socket_base::send_buffer_size(kSystemBuffer_bytes), ignored);
     socket.non_blocking(true, ignored);
     set_keep_alive(socket);
     auto client = std::make_shared<Client>(next_id++, std::move(socket));
@@ -82,6 +91,10 @@ struct TcpServer::State : Listening, std::enable_shared_from_this<State> {
 
   void read(const ClientPointer& client) {
     if (client->ended) {
+      return;
+    }
+    client->held = !client->leaving.empty();
+    if (client->held) {
       return;
     }
     client->socket.async_read_some(
@@ -139,7 +152,14 @@ struct TcpServer::State : Listening, std::enable_shared_from_this<State> {
     if (bytes.empty()) {
       return true;
     }
-    if (client->waiting.size() + client->leaving.size() + bytes.size() > settings.backlog_bytes) {
+    const std::size_t backlog = client->waiting.size() + client->leaving.size();
+    if (backlog + bytes.size() > settings.backlog_bytes) {
+      if (++cut_off == 1) {
+        news.report(describe_listener("tcp", settings.address, settings.port) +
+                    ": closed a client that does not read: " + std::to_string(backlog) +
+                    " bytes waited for it, allowed " + std::to_string(settings.backlog_bytes) +
+                    "; further ones are counted only");
+      }
       end(client);
       return false;
     }
@@ -164,6 +184,9 @@ struct TcpServer::State : Listening, std::enable_shared_from_this<State> {
                           return;
                         }
                         self->write(client);
+                        if (client->held) {
+                          self->read(client);
+                        }
                       });
   }
 
@@ -224,8 +247,10 @@ void TcpServer::close(ConnectionId connection) {
 }
 
 EndpointStatus TcpServer::status() const {
-  return {describe_listener("tcp", state_->settings.address, state_->settings.port),
-          !state_->clients.empty()};
+  EndpointStatus status{describe_listener("tcp", state_->settings.address, state_->settings.port),
+                        !state_->clients.empty()};
+  status.cut_off = state_->cut_off;
+  return status;
 }
 
 IpEnd TcpServer::end() const {

@@ -3,10 +3,13 @@
 // Loopback only, unless the settings opt in to more: a simulated valve must not be reachable from a
 // site network by accident. Nagle's delay is off, keep-alive is on (a client that lost power is
 // found out after about 30 s). A client that does not read has a bounded backlog; when it is full
-// the connection is closed. A client that closes its sending half is still given what is due to it
-// (StreamServer::Handler::half_closed). When all places are taken, a newcomer gets the place of the
-// client that has been silent longest (Modbus TCP Implementation Guide V1.0b, section 4.2.2), so
-// that half-open connections cannot lock a device.
+// the connection is closed, which is counted (EndpointStatus::cut_off) and of the first one
+// reported (drivers/endpoint_news.h). While anything waits for a client, nothing more is read from
+// it: a client that asks and asks, and takes no answer, is held and costs nothing. A client that
+// closes its sending half is still given what is due to it (StreamServer::Handler::half_closed).
+// When all places are taken, a newcomer gets the place of the client that has been silent longest
+// (Modbus TCP Implementation Guide V1.0b, section 4.2.2), so that half-open connections cannot lock
+// a device.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -25,6 +25,8 @@
 #include "drivers/child.h"
 #include "drivers/descriptor.h"
 #include "drivers/endpoints.h"
+#include "drivers/temporary_folder.h"
+#include "fields/failure_text.h"
 #include "fields/rules.h"
 #include "hil/campaign/campaign_folder.h"
 #include "hil/campaign/judge.h"
@@ -97,13 +99,7 @@ class Signals {
 /// A folder with a short name: a socket's path has 107 characters at most.
 class WireFolder {
  public:
-  WireFolder() {
-    std::string pattern = (fs::temp_directory_path() / "rigwire-run-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) {
-      throw drivers::EndpointError(pattern + ": " + std::strerror(errno));
-    }
-    folder_ = pattern;
-  }
+  WireFolder() : folder_(drivers::make_temporary_folder("a folder for the run's wires", "run")) {}
   ~WireFolder() {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
@@ -491,7 +487,7 @@ RunResult run_one(const LoadedCampaign& campaign, const PlannedRun& run, const s
   } catch (const Interrupted& interrupted) {
     return {RunEnd::interrupted, "interrupted", interrupted.signal};
   } catch (const std::exception& error) {
-    ended.what = error.what();
+    ended.what = fields::failure_text(error, "the run");
     result["what"] = printable(ended.what, "\n");
   }
   if (!campaign.campaign.keep_truth && ended.end != RunEnd::crashed) {

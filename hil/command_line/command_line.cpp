@@ -19,6 +19,7 @@
 #include <string_view>
 
 #include "drivers/endpoints.h"
+#include "fields/failure_text.h"
 #include "fields/visitor.h"
 #include "hil/command_line/arguments.h"
 #include "hil/command_line/manual_page.h"
@@ -142,10 +143,24 @@ int refuse_control(const std::string& found, const std::string& where, Terminal 
                terminal.err, verb);
 }
 
-/// Of requests to a control server at a port. Not on the command line, where all users see it.
+/// The token of requests to a control server at a port, from the environment and not from the
+/// command line, where all users see it. Empty: there is none. Throws std::invalid_argument for one
+/// that can be guessed, or that a header of HTTP cannot carry.
 std::string token_of_environment() {
-  const char* token = std::getenv("RIGWIRE_CONTROL_TOKEN");
-  return token == nullptr ? "" : token;
+  constexpr std::size_t kShortest = 16;
+  constexpr std::size_t kLongest = 256;
+  const char* const variable = std::getenv("RIGWIRE_CONTROL_TOKEN");
+  std::string token = variable == nullptr ? "" : variable;
+  const bool printable = std::ranges::all_of(token, [](char c) { return c > ' ' && c <= '~'; });
+  if (!token.empty() && (token.size() < kShortest || token.size() > kLongest || !printable)) {
+    throw std::invalid_argument(fmt::format(
+        "RIGWIRE_CONTROL_TOKEN: {}, allowed {} to {} printable characters of ASCII without spaces; "
+        "without the variable a run makes one",
+        printable ? fmt::format("found {} characters", token.size())
+                  : "found a character that is a space or cannot be printed",
+        kShortest, kLongest));
+  }
+  return token;
 }
 
 int dispatch_ctl(const Parsed& parsed, Terminal terminal) {
@@ -615,12 +630,11 @@ int parse_and_dispatch(const std::vector<std::string>& arguments, const Companio
   } catch (const std::invalid_argument& error) {
     terminal.err << "rigwire: " << error.what() << "\n";
     return static_cast<int>(ExitCode::usage);
-  } catch (const std::bad_alloc&) {
-    terminal.err << "rigwire: no memory left; give the process more (ulimit -v), or make scene, "
-                    "pictures or files smaller\n";
-    return static_cast<int>(ExitCode::failure);
   } catch (const std::exception& error) {
-    terminal.err << "rigwire: " << error.what() << "\n";
+    terminal.err << "rigwire: "
+                 << fields::failure_text(
+                        error, "`rigwire " + fmt::format("{}", fmt::join(arguments, " ")) + "`")
+                 << "\n";
     return static_cast<int>(ExitCode::failure);
   }
 }

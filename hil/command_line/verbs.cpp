@@ -17,6 +17,7 @@
 #include "emulators/can/can_bus_faults.h"
 #include "emulators/modbus/modbus_faults.h"
 #include "fields/check.h"
+#include "fields/failure_text.h"
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/doctor.h"
 #include "hil/command_line/text_table.h"
@@ -436,7 +437,8 @@ int verify_verb(const std::string& folder, bool json, LogLevel log_level, Termin
     RunLog log(log_level);
     result = verify_recording(folder, &log);
   } catch (const std::exception& error) {  // whatever it is, nothing was compared
-    terminal.err << "rigwire: replay: cannot be run: " << error.what() << "\n";
+    terminal.err << "rigwire: replay: cannot be run: "
+                 << fields::failure_text(error, "the replayed rig") << "\n";
     return code(ExitCode::environment);
   }
   const ExitCode end = result.equal() ? ExitCode::done : ExitCode::different;

@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "drivers/endpoints.h"
+#include "drivers/temporary_folder.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/control/ready.h"
 
@@ -27,14 +28,6 @@ namespace {
 
 constexpr milliseconds kReadyPatience{30'000};
 constexpr milliseconds kEndPatience{10'000};
-
-fs::path made_folder() {
-  std::string pattern = (fs::temp_directory_path() / "rigwire-conform-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) {
-    throw drivers::EndpointError(pattern + ": " + std::strerror(errno));
-  }
-  return pattern;
-}
 
 std::string content_of(const fs::path& file) {
   std::ifstream stream(file);
@@ -62,7 +55,7 @@ std::string line_of(ReadyPipe& pipe) {
 }  // namespace
 
 RigProcess::RigProcess(const std::string& rig, const std::vector<std::string>& sets)
-    : folder_(made_folder()) {
+    : folder_(drivers::make_temporary_folder("a folder for the rig's wires", "conform")) {
   const fs::path log = folder_ / "log";
   ReadyPipe pipe;
   std::vector<std::string> words{"/proc/self/exe",

@@ -25,6 +25,7 @@ drivers::HttpServerSettings server_settings(const ControlEndpoint& endpoint) {
   settings.path = endpoint.path;
   settings.address = endpoint.address;
   settings.port = endpoint.port;
+  settings.kept = endpoint.kept;
   settings.clients_max = 64;
   settings.patience = std::chrono::minutes{1};
   return settings;

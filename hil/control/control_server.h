@@ -32,6 +32,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -48,6 +49,8 @@ struct ControlEndpoint {
   std::string path;                   ///< Of a Unix socket; empty: a port.
   std::string address = "127.0.0.1";  ///< Loopback, numeric.
   std::uint16_t port = 0;             ///< 0: the system chooses one.
+  /// Of a port that is to stay this program's while one run ends and the next begins; null: not.
+  std::shared_ptr<drivers::KeptListener> kept;
 };
 
 /// "unix:FILE" or "127.0.0.1:PORT"; nullopt for anything else.

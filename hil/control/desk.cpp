@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "fields/failure_text.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/problems.h"
 #include "hil/configuration/suggest.h"
@@ -463,7 +464,8 @@ void Desk::begin_recording(const RecordCommand& command, const Answer& answer) {
   try {
     run_.recorder->begin({folder.string(), command.only});
   } catch (const std::exception& error) {
-    refuse(answer, Reply::Outcome::refused, {{"what", error.what()}, {"path", "folder"}});
+    refuse(answer, Reply::Outcome::refused,
+           {{"what", fields::failure_text(error, "the recording")}, {"path", "folder"}});
     return;
   }
   done(answer, {{"folder", printable(folder.string())}});

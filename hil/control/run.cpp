@@ -17,6 +17,7 @@
 #include "drivers/endpoints.h"
 #include "drivers/loopback_claims.h"
 #include "fields/check.h"
+#include "fields/failure_text.h"
 #include "hil/configuration/build_facts.h"
 #include "hil/control/dashboard.h"
 #include "hil/control/desk.h"
@@ -479,7 +480,8 @@ int run(const RigConfiguration& configuration, const RunOptions& options) {
   } catch (const std::invalid_argument& error) {
     return refuse(error, ExitCode::usage);
   } catch (const std::exception& error) {
-    return refuse(error, ExitCode::failure);
+    complain(fields::failure_text(error, "the run of " + configuration.name), kReaderPatience);
+    return exit_code(ExitCode::failure);
   }
 }
 

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "drivers/listener.h"
 #include "fields/visitor.h"
 #include "hil/control/rerun.h"
 #include "hil/control/showing.h"
@@ -32,6 +34,12 @@ int show_recording(const std::filesystem::path& folder, RunOptions options, SimT
       log.warning(remark);
     }
   }
+  // The port stays this program's while a run ends to begin again further back.
+  const auto kept = std::make_shared<drivers::KeptListener>();
+  options.page.kept = kept;
+  if (options.control && options.control->path.empty()) {
+    options.control->kept = kept;
+  }
   Showing showing(rerun);
   options.shown = &showing;
   Showing::Course course{.from = from, .factor = options.clock.factor};
@@ -47,6 +55,7 @@ int show_recording(const std::filesystem::path& folder, RunOptions options, SimT
     // Where viewers will look for it again.
     const auto here = parse_control_endpoint(showing.address());
     options.page = here.value_or(options.page);
+    options.page.kept = kept;
     if (options.control && options.control->path.empty()) {
       options.control = options.page;
     }

@@ -8,6 +8,8 @@
 #include <exception>
 #include <utility>
 
+#include "fields/failure_text.h"
+
 namespace rigwire::hil {
 
 void yield_to_the_loop() {
@@ -30,7 +32,7 @@ BackgroundThread::BackgroundThread(boost::asio::io_context& io,
       try {
         io_.run();
       } catch (const std::exception& error) {
-        failed(error.what());
+        failed(fields::failure_text(error, "what it keeps"));
       }
     }
   });

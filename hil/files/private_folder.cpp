@@ -1,26 +1,16 @@
 #include "hil/files/private_folder.h"
 
-#include <fmt/format.h>
-
-#include <cerrno>
-#include <cstdlib>
 #include <string>
 #include <system_error>
 
-#include "drivers/endpoints.h"
+#include "drivers/temporary_folder.h"
 
 namespace rigwire::hil {
 
 namespace fs = std::filesystem;
 
 PrivateFolder::PrivateFolder(std::string_view purpose) {
-  std::string name =
-      (fs::temp_directory_path() / fmt::format("rigwire-{}-XXXXXX", purpose)).string();
-  if (::mkdtemp(name.data()) == nullptr) {
-    throw drivers::EndpointError(fmt::format("a folder of the run's own: {}: {}", name,
-                                             std::generic_category().message(errno)));
-  }
-  path_ = name;
+  path_ = drivers::make_temporary_folder("a folder of the run's own", std::string(purpose));
 }
 
 PrivateFolder::~PrivateFolder() {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "drivers/endpoints.h"
+#include "fields/failure_text.h"
 #include "hil/executive/background_thread.h"
 #include "hil/files/image_file.h"
 #include "hil/world/picture_layers.h"
@@ -171,7 +172,8 @@ void CameraTruthTap::run() {
       try {
         write(std::move(entry));
       } catch (const std::exception& refusal) {
-        fail(fmt::format("{}; no more of it is written", refusal.what()));
+        fail(fmt::format("{}; no more of it is written",
+                         fields::failure_text(refusal, "the cameras' truth")));
       }
     }
     lock.lock();

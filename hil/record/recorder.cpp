@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fields/failure_text.h"
 #include "hil/configuration/suggest.h"
 #include "hil/executive/executive.h"
 #include "hil/files/new_folder.h"
@@ -670,7 +671,7 @@ void Recorder::finish(SimTime end) {
   try {
     writer_->finish(end);
   } catch (const std::exception& error) {
-    failures_.report(error.what());
+    failures_.report(fields::failure_text(error, "the recording"));
   }
 }
 

@@ -7,9 +7,11 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "drivers/endpoint_news.h"
 #include "drivers/line_watch.h"
 #include "emulators/velodyne/unit_report.h"
 #include "fields/check.h"
+#include "fields/failure_text.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/gige_camera.h"
 #include "hil/devices/velodyne.h"
@@ -314,7 +316,12 @@ void check_start(const LoadedRig& rig, RunLog* log) {
     } catch (const fields::Refused& refused) {
       problems.add(placed(refused, rig.origins));
     } catch (const std::exception& error) {
-      problems.add({rig.origins.nearest(""), "", error.what(), {}, {}, {}});
+      problems.add({rig.origins.nearest(""),
+                    "",
+                    fields::failure_text(error, "what the rig describes"),
+                    {},
+                    {},
+                    {}});
     }
   };
   make([&] { (void)make_local_frame(configuration.origin); });
@@ -470,11 +477,13 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     recorder_->start([this] { return recorded_status(); }, faults_.windows());
     faults_.inform([this](const FaultWindow& fault) { recorder_->expect(fault); });
   }
-  drivers::line_watch(io_).start([log](const std::string& news) {
+  const auto warn = [log](const std::string& news) {
     if (log != nullptr) {
       log->warning(news);
     }
-  });
+  };
+  drivers::line_watch(io_).start(warn);
+  drivers::endpoint_news(io_).on_news(warn);
   if (log_ != nullptr) {
     log_->follow([this] { return executive_.reached(); });
   }
@@ -605,6 +614,7 @@ void Rig::open_taps(const TruthFiles& files) {
 
 Rig::~Rig() {
   drivers::line_watch(io_).stop();
+  drivers::endpoint_news(io_).on_news({});
   if (log_ != nullptr) {
     log_->follow([end = executive_.reached()] { return end; });
   }
@@ -724,6 +734,9 @@ std::vector<DeviceReport> Rig::device_reports() const {
                         device.device->counts(),
                         device.device->remark()};
     report.statistics.dropped = device.device->dropped();
+    if (const std::uint64_t cut_off = device.device->endpoint().cut_off; cut_off > 0) {
+      report.counts.push_back({"clients closed that did not read", cut_off});
+    }
     reports.push_back(std::move(report));
   }
   return reports;

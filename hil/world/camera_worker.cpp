@@ -4,6 +4,7 @@
 #include <future>
 #include <utility>
 
+#include "fields/failure_text.h"
 #include "hil/executive/background_thread.h"
 
 namespace rigwire::hil {
@@ -134,7 +135,7 @@ void CameraWorker::run() {
         make_ready(present.job);
       }
     } catch (const std::exception& error) {
-      failed = error.what();
+      failed = fields::failure_text(error, "a picture");
     }
     present.job = {};
     lock.lock();

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "drivers/endpoint_news.h"
+
 namespace rigwire::drivers {
 namespace {
 
@@ -178,6 +180,76 @@ TEST_F(TcpServerTest, AClientThatDoesNotReadIsCutOffWhenItsBacklogIsFull) {
   }
   EXPECT_FALSE(taken);
   ASSERT_TRUE(run_until([&] { return disconnected_.size() == 1; }));
+}
+
+TEST_F(TcpServerTest, OfClientsThatAreCutOffTheFirstIsReportedAndAllAreCounted) {
+  std::vector<std::string> news;
+  endpoint_news(context_).on_news([&](const std::string& text) { news.push_back(text); });
+  TcpServerSettings settings;
+  settings.backlog_bytes = 4096;
+  open(settings);
+  const Bytes block(1024, 1);
+  std::vector<tcp::socket> sockets;
+  for (std::size_t i = 1; i <= 2; ++i) {
+    sockets.push_back(client());
+    ASSERT_TRUE(run_until([&] { return connected_.size() == i; }));
+    while (server_->send(i, block)) {
+    }
+    ASSERT_TRUE(run_until([&] { return disconnected_.size() == i; }));
+  }
+  EXPECT_EQ(server_->status().cut_off, 2U);
+  ASSERT_EQ(news.size(), 1U);
+  EXPECT_THAT(news[0], HasSubstr("tcp 127.0.0.1:" + std::to_string(server_->port())));
+  EXPECT_THAT(news[0], HasSubstr("allowed 4096"));
+}
+
+TEST_F(TcpServerTest, AClientThatAsksAndNeverReadsIsHeldWhileAnotherIsServed) {
+  open();
+  std::size_t heard = 0;
+  server_->start({[this](auto id) { connected_.push_back(id); },
+                  [&](auto id, auto bytes) {
+                    heard += id == 1 ? bytes.size() : 0;
+                    static_cast<void>(server_->send(id, Bytes(2 * bytes.size(), 7)));
+                  },
+                  [this](auto id) { disconnected_.push_back(id); }});
+  auto flood = client();
+  flood.non_blocking(true);
+  ASSERT_TRUE(run_until([&] { return connected_.size() == 1; }));
+  // Until nothing moves any more: the system's buffers are full, and the server reads nothing.
+  constexpr std::size_t kMost = 256U << 20U;
+  const Bytes block(65536, 1);
+  std::size_t sent = 0;
+  for (int still = 0; still < 100 && sent < kMost;) {
+    boost::system::error_code error;
+    const std::size_t size = flood.write_some(asio::buffer(block), error);
+    sent += size;
+    context_.restart();
+    const std::size_t ran = context_.run_one_for(std::chrono::milliseconds(2));
+    still = size == 0 && ran == 0 ? still + 1 : 0;
+  }
+  EXPECT_LT(sent, kMost);
+  EXPECT_TRUE(disconnected_.empty());
+  EXPECT_EQ(server_->status().cut_off, 0U);
+
+  auto other = client();
+  ASSERT_TRUE(run_until([&] { return connected_.size() == 2; }));
+  asio::write(other, asio::buffer("abc", 3));
+  other.non_blocking(true);
+  std::size_t answered = 0;
+  Bytes answer(65536);
+  ASSERT_TRUE(run_until([&] {
+    boost::system::error_code error;
+    answered += other.read_some(asio::buffer(answer), error);
+    return answered == 6;
+  }));
+
+  // It is heard again when it reads.
+  const std::size_t heard_before = heard;
+  ASSERT_TRUE(run_until([&] {
+    boost::system::error_code error;
+    static_cast<void>(flood.read_some(asio::buffer(answer), error));
+    return heard > heard_before;
+  }));
 }
 
 TEST_F(TcpServerTest, ABacklogIsDeliveredWhenTheClientReadsAgain) {

@@ -369,7 +369,7 @@ TEST_F(ControlProcess, AHandRaisesTheBoomAndWhatItCannotSetIsRefused) {
 }
 
 TEST_F(ControlProcess, AtAPortARecordingStaysBelowTheRunsFolder) {
-  ::setenv("RIGWIRE_CONTROL_TOKEN", "secret", 1);
+  ::setenv("RIGWIRE_CONTROL_TOKEN", "a-secret-of-this-test", 1);
   fs::create_directory(folder_ / "own");
   const std::string log = (folder_ / "log").string();
   ChildProcess rig(

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/listener.h"
 #include "run_until.h"
 
 namespace rigwire::drivers {
@@ -120,6 +121,29 @@ TEST_F(HttpServerTest, AnswersAndKeepsTheConnection) {
   EXPECT_EQ(requests_[0].target, "/a?b=c");
   EXPECT_TRUE(server_->status().client_present);
   EXPECT_EQ(server_->requests(), 3U);
+}
+
+TEST_F(HttpServerTest, AKeptPortIsNobodyElsesBetweenTwoServers) {
+  const auto kept = std::make_shared<KeptListener>();
+  HttpServerSettings settings;
+  settings.kept = kept;
+  open(settings);
+  const std::uint16_t port = server_->port();
+  auto before = client();
+  EXPECT_THAT(before.ask("GET / HTTP/1.1\r\nHost: x\r\n\r\n", "hello"), HasSubstr("200 OK"));
+  server_.reset();
+  HttpServerSettings stranger;
+  stranger.port = port;
+  EXPECT_THAT(message_of([&] { HttpServer other(context_, stranger); }), HasSubstr("in use"));
+  Client meanwhile(context_, port);  // waits for the next server
+  open(settings);
+  EXPECT_EQ(server_->port(), port);
+  EXPECT_THAT(meanwhile.ask("GET / HTTP/1.1\r\nHost: x\r\n\r\n", "hello"), HasSubstr("200 OK"));
+  settings.kept.reset();
+  server_.reset();
+  const int socket = kept->take();
+  EXPECT_GE(socket, 0);
+  kept->keep(socket);
 }
 
 TEST_F(HttpServerTest, AClientThatClosedItsSendingHalfGetsEveryAnswer) {

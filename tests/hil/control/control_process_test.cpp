@@ -368,6 +368,18 @@ TEST_F(ControlProcess, AHandRaisesTheBoomAndWhatItCannotSetIsRefused) {
   EXPECT_NEAR(static_cast<double>(by_hand) * 0.01, 1.4, 0.05);
 }
 
+TEST_F(ControlProcess, ATokenThatCanBeGuessedOrIsNoHeaderIsRefused) {
+  for (const char* const token : {"x", "fifteen-letters", "sixteen letters!",
+                                  "a-token-of-two\nlines", "umlauts-are-\xC3\xA4-no-ASCII"}) {
+    ::setenv("RIGWIRE_CONTROL_TOKEN", token, 1);
+    const Done refused = program({kProgram, "ctl", "127.0.0.1:1", "state"});
+    EXPECT_EQ(refused.code, 2) << token;
+    EXPECT_THAT(refused.output, HasSubstr("RIGWIRE_CONTROL_TOKEN"));
+    EXPECT_THAT(refused.output, HasSubstr("allowed 16 to 256 printable characters"));
+  }
+  ::unsetenv("RIGWIRE_CONTROL_TOKEN");
+}
+
 TEST_F(ControlProcess, AtAPortARecordingStaysBelowTheRunsFolder) {
   ::setenv("RIGWIRE_CONTROL_TOKEN", "a-secret-of-this-test", 1);
   fs::create_directory(folder_ / "own");

@@ -11,10 +11,10 @@
 #include "fields/failure_text.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/problems.h"
-#include "hil/configuration/suggest.h"
 #include "hil/control/live_changes.h"
 #include "hil/control/ruling.h"
 #include "hil/control/showing.h"
+#include "hil/world/quantities.h"
 
 namespace rigwire::hil {
 namespace {
@@ -312,23 +312,19 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
 }
 
 void Desk::act(const WaitCommand& command, const Answer& answer) {
-  const auto found = std::ranges::find(run_.quantities, command.quantity, &StateQuantity::name);
-  if (found == run_.quantities.end()) {
-    std::vector<std::string> names;
-    for (const StateQuantity& quantity : run_.quantities) {
-      names.push_back(quantity.name);
-    }
+  const auto found = find_quantity(run_.quantities, command.quantity);
+  if (!found) {
     refuse(answer, Reply::Outcome::wrong,
            {{"what", "the machine has no such quantity"},
             {"path", "quantity"},
-            {"found", printable(shortened(command.quantity))},
-            {"allowed", join_words(names)}});
+            {"found", printable(command.quantity)},
+            {"allowed", allowed_quantities(run_.quantities, command.quantity)}});
   } else if (!busy(answer)) {
     const SimTime limit = executive_.now() + command.limit;
     depart({.until = run_.shown != nullptr ? std::min(limit, run_.shown->end()) : limit,
             .stands_then = executive_.paused(),
             .waits = true,
-            .index = static_cast<std::size_t>(found - run_.quantities.begin()),
+            .index = *found,
             .above = command.above,
             .value = command.value,
             .next_look = executive_.now(),

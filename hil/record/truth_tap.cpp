@@ -60,6 +60,15 @@ std::string truth_line(const TruthRecord& record, const Calendar& calendar,
     put(field.key, rest.first(field.count));
     rest = rest.subspan(field.count);
   }
+  if (!record.state.empty()) {
+    line += R"(,"state":{)";
+    for (std::size_t i = 0; i < record.state.size(); ++i) {
+      fmt::format_to(std::back_inserter(line), R"({}{}:{})", i == 0 ? "" : ",",
+                     nlohmann::json(std::string(record.state[i].name)).dump(),
+                     number(record.state[i].value));
+    }
+    line += '}';
+  }
   if (record.contact) {
     const ContactTruth& contact = *record.contact;
     fmt::format_to(std::back_inserter(line), R"(,"contact":{{"touching":{},"body":{},"with":{})",

@@ -28,6 +28,7 @@
 #include "hil/wires/rig_usb.h"
 #include "hil/world/camera_surroundings.h"
 #include "hil/world/machine.h"
+#include "hil/world/quantities.h"
 #include "hil/world/scene.h"
 #include "hil/world/sky.h"
 #include "hil/world/standing_free.h"
@@ -152,16 +153,12 @@ void require_quantities(const RigConfiguration& configuration,
   each_fault(shown, [&](const std::string& where, FaultPeriod& when, const std::string&) {
     const std::size_t number = seen[where]++;
     const std::string& name = when.when.quantity;
-    if (!when.waits() || std::ranges::count(quantities, name, &StateQuantity::name) > 0) {
+    if (!when.waits() || find_quantity(quantities, name)) {
       return;
     }
-    std::vector<std::string> names;
-    std::ranges::transform(quantities, std::back_inserter(names), &StateQuantity::name);
-    const std::string near = nearest_word(name, names);
-    throw fields::Refused(
-        fmt::format("{}.faults.{}.when.quantity", path_of_target(where), number),
-        fmt::format("the machine has no such quantity, found \"{}\", allowed {}{}", name,
-                    join_words(names), near.empty() ? "" : ", did you mean " + near + "?"));
+    throw fields::Refused(fmt::format("{}.faults.{}.when.quantity", path_of_target(where), number),
+                          fmt::format("the machine has no such quantity, found \"{}\", allowed {}",
+                                      name, allowed_quantities(quantities, name)));
   });
 }
 

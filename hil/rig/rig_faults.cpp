@@ -6,6 +6,7 @@
 
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
+#include "hil/world/quantities.h"
 
 namespace rigwire::hil {
 
@@ -31,14 +32,12 @@ void RigFaults::wait_for(std::size_t port, FaultPort::Id id, Id number) {
 }
 
 std::size_t RigFaults::quantity(const std::string& name) const {
-  const auto found = std::ranges::find(quantities_, name, &StateQuantity::name);
-  if (found == quantities_.end()) {
-    std::vector<std::string> names;
-    std::ranges::transform(quantities_, std::back_inserter(names), &StateQuantity::name);
+  const auto found = find_quantity(quantities_, name);
+  if (!found) {
     throw NoSuchFault("the machine has no such quantity", "fault.when.quantity", printable(name),
-                      join_words(names));
+                      allowed_quantities(quantities_, name));
   }
-  return static_cast<std::size_t>(found - quantities_.begin());
+  return *found;
 }
 
 void RigFaults::look(SimTime now, SimTime instant, std::span<const double> state) {

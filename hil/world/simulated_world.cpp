@@ -38,6 +38,8 @@ SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene con
   before_ = after_;
   bodies_.resize(links);
   state_quantities_ = hil::state_quantities(*content_.machine);
+  state_.resize(state_quantities_.size());
+  truth_.state.resize(state_quantities_.size());
   std::size_t numbers = 0;
   for (const sim::TruthField& field : content_.machine->truth_fields()) {
     numbers += field.count;
@@ -45,17 +47,6 @@ SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene con
   truth_.machine.resize(numbers);
   truth_.links.resize(content_.machine->links().size());
   hand_ = std::make_unique<Hand>(*content_.machine);
-}
-
-std::vector<StateQuantity> state_quantities(const sim::Machine& machine) {
-  std::vector<StateQuantity> quantities;
-  for (const sim::StatusQuantity& quantity : machine.status_quantities()) {
-    quantities.push_back({std::string(quantity.name), std::string(quantity.unit)});
-  }
-  if (machine.contact_report() != nullptr) {
-    quantities.push_back({"contact", "kN"});
-  }
-  return quantities;
 }
 
 SimulatedWorld::~SimulatedWorld() = default;
@@ -107,11 +98,7 @@ std::optional<std::string> SimulatedWorld::advance(const TruthRequests& requests
   }
   frontier_ = batch.until;
   batch.state.resize(state_quantities_.size());
-  const auto own = content_.machine->status_quantities().size();
-  content_.machine->read_status(std::span(batch.state).first(own));
-  if (const sim::ContactReport* report = content_.machine->contact_report()) {
-    batch.state[own] = 1e-3 * report->force_n;
-  }
+  read_state(*content_.machine, batch.state);
   return std::nullopt;
 }
 
@@ -215,6 +202,10 @@ void SimulatedWorld::fill_truth(const WorldStep& step, SimTime time) {
     truth_.links[link] = step.motion({link, Eigen::Isometry3d::Identity()}, time);
   }
   content_.machine->read_truth(truth_.machine);
+  read_state(*content_.machine, state_);
+  for (std::size_t i = 0; i < state_.size(); ++i) {
+    truth_.state[i] = {state_quantities_[i].name, state_[i]};
+  }
   if (const sim::ValvePort* port = content_.machine->valve_port()) {
     truth_.valves = port->valve_sample(time);
   }

@@ -13,6 +13,7 @@
 
 #include "hil/executive/truth_source.h"
 #include "hil/world/hand.h"
+#include "hil/world/quantities.h"
 #include "hil/world/truth_observer.h"
 #include "hil/world/world_sensor.h"
 #include "sim/machine.h"
@@ -46,9 +47,6 @@ struct WorldSettings {
   Duration slice = std::chrono::milliseconds{2};  ///< A whole multiple of `step`.
   double gravity_mps2 = 9.80665;                  ///< Along world -z, for the inertial units.
 };
-
-/// What is told of a machine's state while it runs.
-[[nodiscard]] std::vector<StateQuantity> state_quantities(const sim::Machine& machine);
 
 class SimulatedWorld final : public TruthSource {
  public:
@@ -119,6 +117,7 @@ class SimulatedWorld final : public TruthSource {
   std::vector<sim::BodyMotion> bodies_;
   std::vector<double> shown_rad_;  ///< Of the machine's leaning obstacles, as the scene has them.
   std::vector<StateQuantity> state_quantities_;
+  std::vector<double> state_;  ///< For fill_truth(), in the order of the quantities.
   TruthStages stages_;
 };
 

@@ -53,11 +53,18 @@ struct MovedBodyTruth {
   sim::LinkMotion motion;
 };
 
+/// A quantity of the machine as `read` and `wait` have it (hil/world/quantities.h).
+struct StateTruth {
+  std::string_view name;  ///< Holds as long as the world.
+  double value = 0.0;     ///< In the quantity's unit.
+};
+
 /// What is true of the machine at one instant.
 struct TruthRecord {
   SimTime time{};
   std::vector<sim::LinkMotion> links;  ///< Of all links of the machine, the first carries it.
   std::vector<double> machine;         ///< In the order of the machine's truth fields.
+  std::vector<StateTruth> state;       ///< In the order of state_quantities().
   /// What the transducers of the ports that the machine has read, without errors.
   std::optional<ValveSample> valves;
   std::optional<VehicleSample> vehicle;

@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <set>
 #include <stdexcept>
 
 #include "fields/check.h"
+#include "fields/units.h"
 #include "hil/campaign/spread.h"
 #include "hil/configuration/document.h"
 #include "hil/configuration/outline.h"
+#include "hil/configuration/plain_text.h"
 #include "hil/configuration/reader.h"
 #include "hil/executive/clock.h"
 #include "hil/files/file_content.h"
@@ -20,14 +23,20 @@ namespace rigwire::hil {
 
 namespace {
 
-/// Names that stand for something else in the program's words and in tables.
-constexpr std::array<std::string_view, 4> kOwnPlaceholders{"index", "seed", "folder", "campaign"};
-
 /// Columns of tables of all runs.
 constexpr std::array<std::string_view, 6> kOwnColumns{"index", "seed",          "outcome",
                                                       "what",  "first_failure", "sim_s"};
 
+void visit_value(fields::Visitor& v, WrittenValue& value, std::string_view text) {
+  v.text("value", value.text, text);
+  const auto number = fields::split_quantity(value.text);
+  v.check(number && std::isfinite(number->value), "value", "not a number",
+          fmt::format("\"{}\"", printable(value.text)), "a number, alone or with its unit: 55 deg");
+}
+
 }  // namespace
+
+WrittenValue::WrittenValue(double bare) : text(fields::shortest(bare)) {}
 
 std::vector<std::string> placeholders(const std::string& word) {
   std::vector<std::string> names;
@@ -108,19 +117,19 @@ void validate(const CampaignParameter& p) {
 
 void visit(fields::Visitor& v, ReachesCriterion& p) {
   v.required("quantity");
-  v.text("quantity", p.quantity, "Key of a record of the truth: \"wheel_slide_mps.0\".");
+  v.text("quantity", p.quantity, "Word of `read`: boom; or a key of the truth: wheel_slide_mps.0.");
   v.boolean("above", p.above, "Wanted above the value, else below.");
   v.required("value");
-  v.number("value", p.value, fields::plain(), "In the quantity's own unit.");
+  visit_value(v, p.value, "A number with its unit, or in the quantity's own: 55 deg.");
   v.duration("limit", p.limit, {1'000'000, 86'400'000'000'000}, "By then, from the run's start.");
 }
 
 void visit(fields::Visitor& v, StaysCriterion& p) {
   v.required("quantity");
-  v.text("quantity", p.quantity, "Key of a record of the truth: \"wheel_slide_mps.0\".");
+  v.text("quantity", p.quantity, "Word of `read`: boom; or a key of the truth: wheel_slide_mps.0.");
   v.boolean("above", p.above, "Wanted above the value, else below.");
   v.required("value");
-  v.number("value", p.value, fields::plain(), "In the quantity's own unit.");
+  visit_value(v, p.value, "A number with its unit, or in the quantity's own: 55 deg.");
 }
 
 void visit(fields::Visitor& v, ArrivesCriterion& p) {
@@ -141,7 +150,7 @@ void visit(fields::Visitor& v, DeviceCriterion& p) {
   v.text("figure", p.figure, "Key of its report: frames, bytes, dropped, lateness_us.p99.");
   v.boolean("above", p.above, "Wanted above the value, else below.");
   v.required("value");
-  v.number("value", p.value, fields::plain(), "In the figure's own unit.");
+  visit_value(v, p.value, "A number with its unit, or in the figure's own.");
 }
 
 void visit(fields::Visitor& v, CampaignCriterion& p) {
@@ -221,11 +230,10 @@ void validate(const Campaign& p) {
 
 LoadedCampaign load_campaign(const std::filesystem::path& file) {
   Problems problems;
-  Origins origins;
   LoadedCampaign loaded;
   const Value document = load_document(file.string(), problems);
   if (problems.empty()) {
-    read(document, loaded.campaign, problems, origins);
+    read(document, loaded.campaign, problems, loaded.origins);
   }
   problems.throw_if_any();
   loaded.file = std::filesystem::canonical(file);

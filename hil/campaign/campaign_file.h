@@ -23,6 +23,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -105,9 +106,17 @@ inline constexpr std::array<fields::Choice<CampaignDesign>, 5> kCampaignDesigns{
   return design != CampaignDesign::grid && design != CampaignDesign::one_at_a_time;
 }
 
-// What a run is judged by. A quantity is a key of a record of the truth (hil/record/truth_tap.h),
-// an element of a list by its number, "wheel_slide_mps.0", or one of kDerivedQuantities
-// (judge.h).
+// What a run is judged by. A quantity is a word of `read` and `wait` (hil/world/quantities.h), a
+// key of a record of the truth (hil/record/truth_tap.h), an element of a list by its number,
+// "wheel_slide_mps.0", or one of kDerivedQuantities (judge.h).
+
+/// A number as a file writes it: "55 deg", or "55" in the own unit of what it is compared with.
+struct WrittenValue {
+  WrittenValue() = default;
+  WrittenValue(double bare);  // NOLINT(google-explicit-constructor)
+
+  std::string text = "0";
+};
 
 struct ReachesCriterion {
   static constexpr fields::Named kNamed{
@@ -115,7 +124,7 @@ struct ReachesCriterion {
 
   std::string quantity;
   bool above = true;
-  double value = 0.0;                       ///< In the quantity's unit.
+  WrittenValue value;
   Duration limit = std::chrono::hours{24};  ///< By then, from the start of the run.
 };
 struct StaysCriterion {
@@ -124,7 +133,7 @@ struct StaysCriterion {
 
   std::string quantity;
   bool above = true;
-  double value = 0.0;
+  WrittenValue value;
 };
 struct ArrivesCriterion {
   static constexpr fields::Named kNamed{"arrives", "The machine comes near a place of the map."};
@@ -153,7 +162,7 @@ struct DeviceCriterion {
   std::string device;
   std::string figure = "dropped";  ///< A key of its report; "lateness_us.p99".
   bool above = false;
-  double value = 1.0;
+  WrittenValue value = 1.0;
 };
 
 struct CampaignCriterion {
@@ -205,6 +214,10 @@ void visit(fields::Visitor& v, Campaign& p);
 /// clock that it cannot follow, a criterion of a program where there is none.
 void validate(const Campaign& p);
 
+/// Placeholders of the program's words that are neither a parameter nor a key of the rig.
+inline constexpr std::array<std::string_view, 4> kOwnPlaceholders{"index", "seed", "folder",
+                                                                  "campaign"};
+
 /// Words in braces: "{speed}" has "speed".
 [[nodiscard]] std::vector<std::string> placeholders(const std::string& word);
 
@@ -212,6 +225,7 @@ void validate(const Campaign& p);
 struct LoadedCampaign {
   Campaign campaign;
   std::filesystem::path file;  ///< Absolute.
+  Origins origins;             ///< Where each key of it was written.
   /// 16 hexadecimal digits of what the file says, whatever its comments.
   std::string hash;
 };

@@ -71,7 +71,7 @@ void prepare_folder(const fs::path& folder, const LoadedCampaign& campaign,
     throw drivers::EndpointError(
         fmt::format("{}: {}", printable(folder.string()), error.message()));
   }
-  if (fs::exists(folder / "plan.json")) {
+  if (has_plan(folder)) {
     const CampaignPlan plan = read_plan(folder);
     if (plan.identity != identity) {
       throw std::invalid_argument(fmt::format(
@@ -92,6 +92,11 @@ void prepare_folder(const fs::path& folder, const LoadedCampaign& campaign,
   }
   WholeFile("the table", folder / "table.csv").write(table_text(campaign.campaign, runs));
   WholeFile("the plan", folder / "plan.json").write(plan.dump(2) + "\n");
+}
+
+bool has_plan(const fs::path& folder) {
+  std::error_code error;
+  return fs::exists(folder / "plan.json", error);
 }
 
 CampaignPlan read_plan(const fs::path& folder) {

@@ -44,6 +44,9 @@ struct CampaignPlan {
 void prepare_folder(const std::filesystem::path& folder, const LoadedCampaign& campaign,
                     const std::string& identity, const std::vector<PlannedRun>& runs);
 
+/// Whether the folder has a plan.
+[[nodiscard]] bool has_plan(const std::filesystem::path& folder);
+
 /// Throws std::invalid_argument for a folder without a plan.
 [[nodiscard]] CampaignPlan read_plan(const std::filesystem::path& folder);
 

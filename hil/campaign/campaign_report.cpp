@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -13,6 +14,7 @@
 #include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <tuple>
 
 #include "hil/configuration/plain_text.h"
@@ -30,16 +32,51 @@ bool is_judged(const CampaignRow& row) {
   return row.outcome == Outcome::passed || row.outcome == Outcome::failed;
 }
 
-/// Every number is "#", so that what differs in numbers alone is the same.
-std::string without_numbers(const std::string& text) {
+bool is_digit(char c) {
+  return std::isdigit(static_cast<unsigned char>(c)) != 0;
+}
+
+bool is_letter(char c) {
+  return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+
+/// A word without spaces as "#" when it is a number, with its unit behind it where it has one:
+/// "12.5", "-1e-05", "0-19", "3s". Names with digits stay: "position_m.0", "m3ps".
+std::string without_number(std::string_view word) {
+  const std::size_t sign = word.starts_with('-') ? 1 : 0;
+  if (word.size() == sign || !is_digit(word[sign])) {
+    return std::string(word);
+  }
+  double ignored = 0.0;
+  const char* const end = word.data() + word.size();
+  const char* const after = std::from_chars(word.data() + sign, end, ignored).ptr;
+  const std::string_view rest(after, static_cast<std::size_t>(end - after));
+  if (std::ranges::all_of(rest, is_letter)) {
+    return "#" + std::string(rest);
+  }
+  return std::ranges::any_of(rest, is_letter) ? std::string(word) : "#";
+}
+
+/// Every number that stands alone is "#", so that what differs in such numbers only is the same.
+std::string without_numbers(std::string_view text) {
+  const auto belongs = [](char c) { return is_digit(c) || is_letter(c) || c == '.' || c == '-'; };
   std::string general;
-  for (const char c : text) {
-    const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
-    if (!digit) {
-      general += c;
-    } else if (general.empty() || general.back() != '#') {
-      general += '#';
+  for (std::size_t i = 0; i < text.size();) {
+    if (!belongs(text[i])) {
+      general += text[i++];
+      continue;
     }
+    std::size_t end = i;
+    while (end < text.size() && belongs(text[end])) {
+      ++end;
+    }
+    std::size_t stop = end;  // without what ends a sentence
+    while (stop > i + 1 && !is_digit(text[stop - 1]) && !is_letter(text[stop - 1])) {
+      --stop;
+    }
+    general += without_number(text.substr(i, stop - i));
+    general += text.substr(stop, end - stop);
+    i = end;
   }
   return general;
 }

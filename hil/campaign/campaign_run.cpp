@@ -205,6 +205,17 @@ std::optional<std::string> configured(const RigConfiguration& configuration,
   return quoted ? value.substr(1, value.size() - 2) : value;
 }
 
+/// Names and units of the machine's quantities in the answer to `read`.
+std::vector<StateQuantity> quantities_of(const std::optional<Json>& answer) {
+  std::vector<StateQuantity> quantities;
+  if (answer && answer->contains("machine")) {
+    for (const auto& [name, quantity] : answer->at("machine").at("quantities").items()) {
+      quantities.push_back({name, quantity.at("unit").get<std::string>()});
+    }
+  }
+  return quantities;
+}
+
 /// One run on its way.
 class CampaignRun {
  public:
@@ -249,6 +260,7 @@ class CampaignRun {
     };
     std::optional<Asked> until;  // joined when the rig has ended
     std::optional<Asked> events;
+    std::optional<Asked> state;
     std::optional<Asked> stop;
     try {
       until.emplace(
@@ -263,6 +275,9 @@ class CampaignRun {
       wait(*events, -1);
       if (const auto told = events->answer()) {
         WholeFile("the events", folder_ / "events.json").write(told->dump(1) + "\n");
+        state.emplace(wires_.control(), Json{{"verb", "read"}});
+        wait(*state, -1);
+        evidence.quantities = quantities_of(state->answer());
         stop.emplace(wires_.control(), Json{{"verb", "stop"}});
         wait(*stop, -1);
       }

@@ -11,6 +11,7 @@
 #include "hil/campaign/campaign_report.h"
 #include "hil/campaign/campaign_run.h"
 #include "hil/campaign/collect.h"
+#include "hil/campaign/criteria_check.h"
 #include "hil/campaign/spread.h"
 #include "hil/command_line/config_files.h"
 #include "hil/configuration/schema.h"
@@ -83,13 +84,22 @@ std::vector<PlannedRun> outermost(const std::vector<PlannedRun>& runs, std::size
   return found;
 }
 
+/// Loads the rig as its outermost runs have it, and holds criteria and program against it. Throws
+/// ConfigurationError with what a run would refuse or could not be judged by.
+void check_plan(const LoadedCampaign& campaign, const std::vector<PlannedRun>& runs,
+                const std::string& rig) {
+  CriteriaCheck check(campaign);
+  for (const PlannedRun& run : outermost(runs, campaign.campaign.parameters.size())) {
+    check.look(load_rig(rig, sets_of(campaign.campaign, run)).configuration);
+  }
+  check.finish();
+}
+
 int expand(const CampaignRequest& request, Terminal terminal) {
   const LoadedCampaign campaign = load_campaign(find_campaign(request.target));
   const std::vector<PlannedRun> runs = plan_runs(campaign.campaign);
   const std::string rig = rig_of(campaign);
-  for (const PlannedRun& run : outermost(runs, campaign.campaign.parameters.size())) {
-    static_cast<void>(load_rig(rig, sets_of(campaign.campaign, run)));
-  }
+  check_plan(campaign, runs, rig);
   if (request.output.empty()) {
     terminal.out << table_text(campaign.campaign, runs);
   } else {
@@ -128,7 +138,11 @@ int run_some(const CampaignRequest& request, Terminal terminal) {
                               request.index, runs.size() - 1, runs.size() - 1));
   }
   const std::string rig = rig_of(campaign);
-  prepare_folder(request.output, campaign, identity_of(campaign, rig), runs);
+  const std::string identity = identity_of(campaign, rig);
+  if (!has_plan(request.output)) {
+    check_plan(campaign, runs, rig);  // a plan that is there was checked when it was made
+  }
+  prepare_folder(request.output, campaign, identity, runs);
   ExitCode end = ExitCode::done;
   for (std::size_t index = wanted->first; index <= wanted->second; ++index) {
     const RunResult result = run_one(campaign, runs[index], rig, request.output);

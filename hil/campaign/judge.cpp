@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
+#include <limits>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
 
+#include "hil/campaign/bound.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
+#include "hil/record/number_paths.h"
 
 namespace rigwire::hil {
 
@@ -20,6 +23,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::size_t kMostPlaces = 200;
+/// Key of a record under which the quantities of `read` are.
+constexpr std::string_view kState = "state";
 
 /// A record with what is derived from it and from those before.
 struct Moment {
@@ -28,69 +33,54 @@ struct Moment {
   std::array<double, kDerivedQuantities.size()> derived;
 };
 
-/// What lies at "a.b.2" in a tree; null where nothing does.
-const Json* find_path(const Json& tree, std::string_view path) {
-  const Json* node = &tree;
-  while (node != nullptr) {
-    const std::size_t dot = path.find('.');
-    const std::string key(path.substr(0, dot));
-    std::size_t number = 0;
-    const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), number);
-    const bool is_number = error == std::errc() && end == key.data() + key.size();
-    if (node->is_object() && node->contains(key)) {
-      node = &(*node)[key];
-    } else if (node->is_array() && is_number && number < node->size()) {
-      node = &(*node)[number];
-    } else {
-      node = nullptr;
-    }
-    if (dot == std::string_view::npos) {
-      break;
-    }
-    path.remove_prefix(dot + 1);
-  }
-  return node;
-}
+/// Where the value of a criterion's quantity is in a run.
+class JudgedQuantity {
+ public:
+  JudgedQuantity(std::string criterion, std::string name)
+      : criterion_(std::move(criterion)), name_(std::move(name)) {}
 
-/// Paths of all numbers of a tree.
-void list_numbers(const Json& tree, const std::string& path, std::vector<std::string>& names) {
-  if (tree.is_number() || tree.is_boolean()) {
-    names.push_back(path);
-  } else if (tree.is_structured()) {
-    for (const auto& [key, value] : tree.items()) {
-      list_numbers(value, path.empty() ? key : path + "." + key, names);
+  /// Throws std::invalid_argument for a number that the run does not have.
+  [[nodiscard]] double at(const Moment& moment) const {
+    const auto derived = std::ranges::find(kDerivedQuantities, name_, &fields::Named::name);
+    if (derived != kDerivedQuantities.end()) {
+      return moment.derived[static_cast<std::size_t>(derived - kDerivedQuantities.begin())];
     }
+    if (const Json* const state = find_path(*moment.record, kState);
+        state != nullptr && state->contains(name_)) {
+      return number_at(*state, name_).value_or(std::numeric_limits<double>::quiet_NaN());
+    }
+    if (const auto value = number_at(*moment.record, name_)) {
+      return *value;
+    }
+    std::vector<std::string> names;
+    for (const fields::Named& quantity : kDerivedQuantities) {
+      names.emplace_back(quantity.name);
+    }
+    for (const std::string& path : number_paths(*moment.record)) {
+      names.push_back(path.starts_with("state.") ? path.substr(kState.size() + 1) : path);
+    }
+    const std::string near = nearest_word(name_, names);
+    throw std::invalid_argument(fmt::format(
+        "criteria.{}.quantity: the run has no such quantity, found \"{}\"{}", criterion_,
+        printable(name_), near.empty() ? "" : ", did you mean " + near + "?"));
   }
-}
+  [[nodiscard]] std::string wanted(bool above, const Bound& bound) const {
+    return fmt::format("{} {} {}", name_, above ? "above" : "below", bound.text());
+  }
 
-/// Nothing: there is no such quantity. Not a number: it has none at this moment.
-std::optional<double> number_at(const Json& tree, std::string_view path) {
-  const Json* const node = find_path(tree, path);
-  if (node == nullptr || node->is_structured() || node->is_string()) {
-    return std::nullopt;
-  }
-  return node->is_null()      ? std::numeric_limits<double>::quiet_NaN()
-         : node->is_boolean() ? static_cast<double>(node->get<bool>())
-                              : node->get<double>();
-}
+ private:
+  std::string criterion_;
+  std::string name_;
+};
 
-double quantity_of(const Moment& moment, const std::string& criterion, const std::string& name) {
-  const auto derived = std::ranges::find(kDerivedQuantities, name, &fields::Named::name);
-  if (derived != kDerivedQuantities.end()) {
-    return moment.derived[static_cast<std::size_t>(derived - kDerivedQuantities.begin())];
+/// Throws std::invalid_argument for a unit that the quantity cannot have.
+Bound bound_of(const std::string& criterion, const std::string& quantity, const WrittenValue& value,
+               const std::vector<StateQuantity>& quantities) {
+  try {
+    return {value, unit_of_quantity(quantity, quantities)};
+  } catch (const std::invalid_argument& wrong) {
+    throw std::invalid_argument(fmt::format("criteria.{}.value: {}", criterion, wrong.what()));
   }
-  if (const auto value = number_at(*moment.record, name)) {
-    return *value;
-  }
-  std::vector<std::string> names;
-  for (const fields::Named& quantity : kDerivedQuantities) {
-    names.emplace_back(quantity.name);
-  }
-  list_numbers(*moment.record, "", names);
-  const std::string near = nearest_word(name, names);
-  throw std::invalid_argument(fmt::format(
-      "criteria.{}.quantity: the truth has no such number, found \"{}\", allowed {}{}", criterion,
-      printable(name), join_words(names), near.empty() ? "" : ", did you mean " + near + "?"));
 }
 
 /// One criterion on its way through a run.
@@ -101,46 +91,49 @@ class Watch {
   [[nodiscard]] virtual Verdict verdict(const RunEvidence& evidence) const = 0;
 };
 
-std::string wanted(const std::string& quantity, bool above, double value) {
-  return fmt::format("{} {} {}", quantity, above ? "above" : "below", value);
-}
-
 class Reaches final : public Watch {
  public:
-  Reaches(std::string name, ReachesCriterion criterion)
-      : name_(std::move(name)), c_(std::move(criterion)) {}
+  Reaches(const std::string& name, ReachesCriterion criterion,
+          const std::vector<StateQuantity>& quantities)
+      : c_(std::move(criterion)),
+        quantity_(name, c_.quantity),
+        bound_(bound_of(name, c_.quantity, c_.value, quantities)) {}
   void look(const Moment& moment) override {
-    const double value = quantity_of(moment, name_, c_.quantity);
+    const double value = quantity_.at(moment);
     if (at_s_ || moment.at_s > to_seconds(c_.limit)) {
       return;
     }
     best_ = !best_ || (c_.above ? value > *best_ : value < *best_) ? value : *best_;
-    if (c_.above ? value > c_.value : value < c_.value) {
+    if (c_.above ? value > bound_.own() : value < bound_.own()) {
       at_s_ = moment.at_s;
     }
   }
   [[nodiscard]] Verdict verdict(const RunEvidence&) const override {
-    return {
-        at_s_.has_value(), at_s_,
-        fmt::format("{} {}", at_s_ ? "was" : "was never", wanted(c_.quantity, c_.above, c_.value)),
-        best_ ? fmt::format("{} {:.6g}", c_.above ? "at most" : "at least", *best_) : "no record"};
+    return {at_s_.has_value(), at_s_,
+            fmt::format("{} {}", at_s_ ? "was" : "was never", quantity_.wanted(c_.above, bound_)),
+            best_ ? fmt::format("{} {}", c_.above ? "at most" : "at least", bound_.shown(*best_))
+                  : "no record"};
   }
 
  private:
-  std::string name_;
   ReachesCriterion c_;
+  JudgedQuantity quantity_;
+  Bound bound_;
   std::optional<double> at_s_;
   std::optional<double> best_;
 };
 
 class Stays final : public Watch {
  public:
-  Stays(std::string name, StaysCriterion criterion)
-      : name_(std::move(name)), c_(std::move(criterion)) {}
+  Stays(const std::string& name, StaysCriterion criterion,
+        const std::vector<StateQuantity>& quantities)
+      : c_(std::move(criterion)),
+        quantity_(name, c_.quantity),
+        bound_(bound_of(name, c_.quantity, c_.value, quantities)) {}
   void look(const Moment& moment) override {
-    const double value = quantity_of(moment, name_, c_.quantity);
+    const double value = quantity_.at(moment);
     seen_ = true;
-    const bool holds = c_.above ? value > c_.value : value < c_.value;
+    const bool holds = c_.above ? value > bound_.own() : value < bound_.own();
     worst_ = !worst_ || (c_.above ? value < *worst_ : value > *worst_) ? value : *worst_;
     if (!holds && !at_s_) {
       at_s_ = moment.at_s;
@@ -149,14 +142,14 @@ class Stays final : public Watch {
   [[nodiscard]] Verdict verdict(const RunEvidence&) const override {
     const bool passed = seen_ && !at_s_;
     return {passed, at_s_,
-            fmt::format("{} {}", passed ? "stayed" : "was not",
-                        wanted(c_.quantity, c_.above, c_.value)),
-            worst_ ? fmt::format("at worst {:.6g}", *worst_) : "no record"};
+            fmt::format("{} {}", passed ? "stayed" : "was not", quantity_.wanted(c_.above, bound_)),
+            worst_ ? "at worst " + bound_.shown(*worst_) : "no record"};
   }
 
  private:
-  std::string name_;
   StaysCriterion c_;
+  JudgedQuantity quantity_;
+  Bound bound_;
   bool seen_ = false;
   std::optional<double> at_s_;
   std::optional<double> worst_;
@@ -249,7 +242,9 @@ class ProgramExit final : public Watch {
 class DeviceFigure final : public Watch {
  public:
   DeviceFigure(std::string name, DeviceCriterion criterion)
-      : name_(std::move(name)), c_(std::move(criterion)) {}
+      : name_(std::move(name)),
+        c_(std::move(criterion)),
+        bound_(bound_of(name_, c_.figure, c_.value, {})) {}
   void look(const Moment&) override {}
   [[nodiscard]] Verdict verdict(const RunEvidence& evidence) const override {
     const Json& devices = evidence.report.at("devices");
@@ -264,31 +259,32 @@ class DeviceFigure final : public Watch {
     }
     const auto value = number_at(devices[c_.device], c_.figure);
     if (!value) {
-      std::vector<std::string> names;
-      list_numbers(devices[c_.device], "", names);
+      const std::string near = nearest_word(c_.figure, number_paths(devices[c_.device]));
       throw std::invalid_argument(
-          fmt::format("criteria.{}.figure: no such figure, found \"{}\", allowed {}", name_,
-                      printable(c_.figure), join_words(names)));
+          fmt::format("criteria.{}.figure: the report has no such figure, found \"{}\"{}", name_,
+                      printable(c_.figure), near.empty() ? "" : ", did you mean " + near + "?"));
     }
-    const bool passed = c_.above ? *value > c_.value : *value < c_.value;
+    const bool passed = c_.above ? *value > bound_.own() : *value < bound_.own();
     return {passed, std::nullopt,
             fmt::format("{} of {} {} {} {}", c_.figure, c_.device, passed ? "is" : "is not",
-                        c_.above ? "above" : "below", c_.value),
-            fmt::format("{:.6g}", *value)};
+                        c_.above ? "above" : "below", bound_.text()),
+            bound_.shown(*value)};
   }
 
  private:
   std::string name_;
   DeviceCriterion c_;
+  Bound bound_;
 };
 
 struct MakeWatch {
   const std::string& name;
+  const std::vector<StateQuantity>& quantities;
   std::unique_ptr<Watch> operator()(const ReachesCriterion& c) const {
-    return std::make_unique<Reaches>(name, c);
+    return std::make_unique<Reaches>(name, c, quantities);
   }
   std::unique_ptr<Watch> operator()(const StaysCriterion& c) const {
-    return std::make_unique<Stays>(name, c);
+    return std::make_unique<Stays>(name, c, quantities);
   }
   std::unique_ptr<Watch> operator()(const ArrivesCriterion& c) const {
     return std::make_unique<Arrives>(c);
@@ -357,7 +353,7 @@ std::optional<std::string> first_failure(const std::map<std::string, Verdict>& v
 Judgement judge(const Campaign& campaign, const RunEvidence& evidence) {
   std::map<std::string, std::unique_ptr<Watch>> watches;
   for (const auto& [name, criterion] : campaign.criteria) {
-    watches[name] = std::visit(MakeWatch{name}, criterion.test);
+    watches[name] = std::visit(MakeWatch{name, evidence.quantities}, criterion.test);
   }
   Judgement judgement;
   std::ifstream truth(evidence.truth);

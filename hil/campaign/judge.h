@@ -11,10 +11,12 @@
 #include <vector>
 
 #include "hil/campaign/campaign_file.h"
+#include "hil/executive/truth_source.h"
 
 namespace rigwire::hil {
 
-/// Quantities that a record of the truth has not under a key of its own.
+/// Quantities that a record of the truth has not under a key of its own. Each name ends with its
+/// unit.
 inline constexpr std::array<fields::Named, 5> kDerivedQuantities{
     {{"speed_mps", "Of the first link over the ground's axes, never negative."},
      {"heading_deg", "Of its x axis, left from east, -180 to 180."},
@@ -31,6 +33,8 @@ struct ProgramEnd {
 /// What a run left behind.
 struct RunEvidence {
   std::filesystem::path truth;  ///< JSON lines of hil/record/truth_tap.h.
+  /// Of the machine, as `read` has them: their values are in the truth, their units here.
+  std::vector<StateQuantity> quantities;
   nlohmann::ordered_json report;
   std::optional<ProgramEnd> program;
   Duration duration{0};  ///< What comes later is not looked at.
@@ -53,7 +57,7 @@ struct Judgement {
 };
 
 /// Throws std::invalid_argument for a quantity, device or figure that the run does not have, with
-/// those that it has; std::runtime_error for a truth that is not complete.
+/// the nearest of those that it has; std::runtime_error for a truth that is not complete.
 [[nodiscard]] Judgement judge(const Campaign& campaign, const RunEvidence& evidence);
 
 }  // namespace rigwire::hil

@@ -8,6 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "hil/record/number_paths.h"
+#include "hil/world/quantities.h"
+
 namespace rigwire::hil {
 namespace {
 
@@ -113,6 +116,29 @@ std::string truth_line(const TruthRecord& record, const Calendar& calendar,
   }
   line += '}';
   return line;
+}
+
+std::vector<std::string> truth_numbers(const sim::Machine& machine,
+                                       std::span<const std::string> antennas) {
+  // A record with zeros in all places, laid out as those of a run are.
+  const std::vector<StateQuantity> quantities = state_quantities(machine);
+  const std::span<const sim::TruthField> fields = machine.truth_fields();
+  TruthRecord record;
+  record.links.assign(machine.links().begin(), machine.links().end());
+  for (const sim::TruthField& field : fields) {
+    record.machine.resize(record.machine.size() + field.count);
+  }
+  for (const StateQuantity& quantity : quantities) {
+    record.state.push_back({quantity.name, 0.0});
+  }
+  if (machine.contact_report() != nullptr) {
+    record.contact.emplace();
+  }
+  for (const std::string& antenna : antennas) {
+    record.antennas.push_back({antenna, {}});
+  }
+  return number_paths(nlohmann::ordered_json::parse(
+      truth_line(record, Calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0}), fields)));
 }
 
 void TruthTap::record(const TruthRecord& record) {

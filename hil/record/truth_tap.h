@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "hil/record/output_file.h"
@@ -23,6 +24,12 @@ namespace rigwire::hil {
 /// same of each by its name. Heights are above the ellipsoid.
 [[nodiscard]] std::string truth_line(const TruthRecord& record, const Calendar& calendar,
                                      std::span<const sim::TruthField> fields);
+
+/// Returns the paths of the numbers that each record of such a machine has, "joint_rad.1" and
+/// "state.boom" (hil/record/number_paths.h), without a run. `antennas`: names of the satellite
+/// receivers and base stations. Left out is what a record has at times only: `moved` and `hand`.
+[[nodiscard]] std::vector<std::string> truth_numbers(const sim::Machine& machine,
+                                                     std::span<const std::string> antennas);
 
 /// Writes a line per record.
 class TruthTap final : public TruthObserver {

@@ -69,6 +69,20 @@ TEST_F(CampaignFile, what_would_bind_nothing_is_refused) {
               HasSubstr("clock: found free, allowed real or scaled:X"));
 }
 
+TEST_F(CampaignFile, a_value_of_a_criterion_may_have_its_unit) {
+  const auto with = [](const std::string& value) {
+    return "rig: r\ncriteria: {c: {type: reaches, quantity: boom, value: " + value + "}}\n";
+  };
+  const LoadedCampaign loaded = load_campaign(file(with("55 deg")));
+  EXPECT_EQ(std::get<ReachesCriterion>(loaded.campaign.criteria.at("c").test).value.text, "55 deg");
+  EXPECT_EQ(loaded.origins.of("criteria.c.quantity").line, 2);
+  EXPECT_EQ(complaints(with("-1.5e3")), "");
+  EXPECT_THAT(complaints(with("high")), HasSubstr(":2:"));
+  EXPECT_THAT(complaints(with("high")),
+              HasSubstr("criteria.c.value: not a number, found \"high\", allowed a number"));
+  EXPECT_THAT(complaints(with(".inf")), HasSubstr("criteria.c.value: not a number"));
+}
+
 TEST_F(CampaignFile, what_a_design_cannot_have_is_refused) {
   EXPECT_THAT(complaints("rig: r\nparameters: {a: {type: uniform, from: 0, to: 1, keys: [k]}}\n"
                          "criteria: {c: {type: no_contact}}\n"),

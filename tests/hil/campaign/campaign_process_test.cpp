@@ -206,18 +206,39 @@ TEST_F(CampaignProcess, a_program_gets_what_its_words_name) {
   EXPECT_EQ(result(0)["criteria"]["ended"]["text"], "the program ended with status 1");
 }
 
-TEST_F(CampaignProcess, what_cannot_be_judged_is_a_row_that_says_why) {
+// All runs were run to their end, and then none could be judged.
+TEST_F(CampaignProcess, a_criterion_that_no_run_can_meet_is_refused_before_any_begins) {
   write_campaign();
   std::string text = campaign_process_content(campaign());
   text.replace(text.find("heading_deg"), 11, "heading_dog");
   std::ofstream(folder_ / "campaign.yaml") << text;
-  const Done done = rigwire(run("0"));
-  EXPECT_EQ(done.code, 1);
-  EXPECT_THAT(done.output, HasSubstr("did you mean heading_deg?"));
-  EXPECT_FALSE(fs::exists(place(0) / "DONE"));
-  EXPECT_EQ(result(0)["outcome"], "crashed");
-  EXPECT_THAT(rigwire({"report", (folder_ / "runs").string()}).output,
-              HasSubstr("crashed: criteria.turned.quantity"));
+  const std::vector<std::vector<std::string>> actions{
+      {"expand", campaign()},
+      {"expand", campaign(), "-o", (folder_ / "runs").string()},
+      run("0-3")};
+  for (const std::vector<std::string>& words : actions) {
+    const Done done = rigwire(words);
+    EXPECT_EQ(done.code, 2) << done.output;
+    EXPECT_THAT(done.output, HasSubstr("campaign.yaml:7:"));
+    EXPECT_THAT(done.output,
+                HasSubstr("criteria.turned.quantity: the machine has no such quantity, found "
+                          "\"heading_dog\", allowed speed (km/h)"));
+    EXPECT_THAT(done.output, HasSubstr("did you mean heading_deg?"));
+    EXPECT_LT(done.output.size(), 700U) << done.output;
+    EXPECT_FALSE(fs::exists(folder_ / "runs/plan.json"));
+  }
+}
+
+TEST_F(CampaignProcess, a_criterion_takes_the_words_of_read) {
+  std::ofstream(folder_ / "campaign.yaml")
+      << "rig: rig.yaml\nduration: 500 ms\ncriteria:\n"
+         "  stands: {type: stays, quantity: speed, above: false, value: 0.5 m/s}\n"
+         "  turns: {type: reaches, quantity: engine, value: 90000, limit: 1 s}\n";
+  EXPECT_EQ(rigwire(run("0")).output, "run 0: failed\n");
+  const Json criteria = result(0)["criteria"];
+  EXPECT_EQ(criteria["stands"]["text"], "stayed speed below 0.5 m/s");
+  EXPECT_EQ(criteria["turns"]["text"], "was never engine above 90000 rpm");
+  EXPECT_THAT(criteria["turns"]["detail"].get<std::string>(), testing::EndsWith(" rpm"));
 }
 
 TEST_F(CampaignProcess, a_rig_that_dies_is_a_row_that_crashed) {

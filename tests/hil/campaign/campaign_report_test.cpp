@@ -9,6 +9,9 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "child_process.h"
 #include "hil/campaign/collect.h"
@@ -180,6 +183,34 @@ TEST_F(CampaignRows, the_report_tells_rate_classes_groups_and_the_worst) {
   EXPECT_THAT(page, Not(HasSubstr("<ramps>")));
   EXPECT_THAT(page, HasSubstr("polyline"));
   EXPECT_THROW((void)report_page(table, {"kind", "mass"}), std::invalid_argument);
+}
+
+// Names of quantities were told as position_m.# and pump_flow_m#ps.
+TEST_F(CampaignRows, grouped_reasons_mask_numbers_and_keep_names) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"no position_m.0, pump_flow_m3ps or gnss-2 at 12.5 s.",
+       "no position_m.0, pump_flow_m3ps or gnss-2 at # s."},
+      {"the rig ended by signal 6: 0-19, -1e-05 and 3s, 127.0.0.1:8080",
+       "the rig ended by signal #: #, # and #s, #:#"},
+      {"/tmp/runs/000017/rig.log: [4]", "/tmp/runs/#/rig.log: [#]"},
+      {"no digits - at all...", "no digits - at all..."},
+      {"grün 7", "grün #"},
+  };
+  plan(cases.size());
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    fs::create_directories(run_folder(folder_, i));
+    std::ofstream(run_folder(folder_, i) / "result.json")
+        << nlohmann::json{{"index", i}, {"outcome", "crashed"}, {"what", cases[i].first}};
+  }
+  std::vector<std::string> found;
+  for (const FailureGroup& group : failure_groups(read_rows(folder_))) {
+    found.push_back(group.text);
+  }
+  std::vector<std::string> expected;
+  for (const auto& [reason, grouped] : cases) {
+    expected.push_back(grouped);
+  }
+  EXPECT_THAT(found, testing::UnorderedElementsAreArray(expected));
 }
 
 TEST(Wilson, intervals_are_those_of_the_formula_and_never_leave_0_to_1) {

@@ -42,6 +42,15 @@ def write_rig(folder: Path) -> Path:
     return path
 
 
+def test_a_quantity_that_the_machine_does_not_have_is_refused_with_the_nearest(rig: Rig) -> None:
+    with pytest.raises(Refused, match=r"did you mean boom\?"):
+        rig.wait("bom", above=1.0)
+    machine = rig.read().machine
+    assert machine.quantity("boom").unit == "deg"
+    with pytest.raises(Refused, match=r"did you mean boom\?"):
+        machine["bom"]
+
+
 def test_every_wire_is_open_before_time_begins(rig: Rig) -> None:
     assert rig.state().time_ns == 0
     assert rig.state().paused

@@ -28,6 +28,7 @@ from rigwire.rig import (
     RigwireError,
     RunEnded,
     State,
+    UnknownQuantity,
 )
 
 __all__ = [
@@ -47,4 +48,5 @@ __all__ = [
     "RigwireError",
     "RunEnded",
     "State",
+    "UnknownQuantity",
 ]

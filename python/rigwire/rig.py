@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import http.client
 import json
 import os
@@ -35,6 +36,32 @@ class RunEnded(Refused):
     """The run ended before the request was done."""
 
 
+class UnknownQuantity(Refused, KeyError):
+    """The machine has no quantity of that name; the reply has those that it has, and the nearest."""
+
+    def __init__(self, name: str, quantities: Mapping[str, Quantity]) -> None:
+        allowed = ", ".join(
+            f"{known} ({quantity.unit})" if quantity.unit else known
+            for known, quantity in quantities.items()
+        )
+        near = difflib.get_close_matches(name, quantities, n=1)
+        if near:
+            allowed += f", did you mean {near[0]}?"
+        super().__init__(
+            {
+                "ok": False,
+                "what": "the machine has no such quantity",
+                "path": "quantity",
+                "found": name,
+                "allowed": allowed,
+            }
+        )
+
+    def __str__(self) -> str:
+        # A KeyError would show its argument as Python writes it, with quotes.
+        return str(self.args[0])
+
+
 @dataclass(frozen=True)
 class State:
     """Where a run stands."""
@@ -65,7 +92,18 @@ class Machine:
     quantities: Mapping[str, Quantity]
 
     def __getitem__(self, name: str) -> float:
-        return self.quantities[name].value
+        """The value of a quantity, in its own unit. Raises UnknownQuantity."""
+        return self.quantity(name).value
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.quantities
+
+    def quantity(self, name: str) -> Quantity:
+        """Value and unit of a quantity, by the word that `wait` takes. Raises UnknownQuantity."""
+        try:
+            return self.quantities[name]
+        except KeyError:
+            raise UnknownQuantity(name, self.quantities) from None
 
 
 @dataclass(frozen=True)
@@ -322,8 +360,9 @@ class Rig:
         below: float | None = None,
         limit: float = 10.0,
     ) -> float:
-        """Until a quantity of the machine is above or below a value; returns the time. Raises Refused
-        after `limit` simulated seconds."""
+        """Until a quantity of the machine is above or below a value, in its own unit; returns the
+        time. Its name is a word of `read`; an unknown one raises Refused with those that there are.
+        Raises Refused after `limit` simulated seconds."""
         if (above is None) == (below is None):
             raise ValueError("wait: one of above and below")
         value = below if above is None else above

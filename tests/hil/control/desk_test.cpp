@@ -175,7 +175,7 @@ TEST_F(DeskTest, WhatCannotBeDoneIsRefusedWithWhatIsAllowed) {
   EXPECT_EQ(answer(0)["allowed"], "later than 5 ms");
   EXPECT_EQ(answers_[1]->outcome, Reply::Outcome::refused);
   EXPECT_THAT(answer(1)["allowed"].get<std::string>(), HasSubstr("scaled:X"));
-  EXPECT_EQ(answer(2)["allowed"], "angle");
+  EXPECT_EQ(answer(2)["allowed"], "angle (rad), did you mean angle?");
   for (std::size_t i = 2; i < answers_.size(); ++i) {
     EXPECT_EQ(answers_[i]->outcome, Reply::Outcome::wrong) << i << answer(i);
     EXPECT_FALSE(answer(i)["what"].get<std::string>().empty());

@@ -249,9 +249,11 @@ TEST_F(RigFaultsTest, AFaultWaitsForAQuantityOfTheMachineAndBeginsThen) {
 
 TEST_F(RigFaultsTest, AQuantityThatTheMachineDoesNotHaveIsRefused) {
   const Json nobody =
-      ask(FaultAddCommand{"gnss", "{type: outage, when: {quantity: warp, value: 1}}"});
+      ask(FaultAddCommand{"gnss", "{type: outage, when: {quantity: sped, value: 1}}"});
   EXPECT_FALSE(nobody["ok"].get<bool>());
   EXPECT_EQ(nobody["path"], "fault.when.quantity");
+  EXPECT_THAT(nobody["allowed"].get<std::string>(), HasSubstr("speed (km/h)"));
+  EXPECT_THAT(nobody["allowed"].get<std::string>(), HasSubstr("did you mean speed?"));
 }
 
 TEST_F(RigFaultsTest, TheSeedDecidesWhichRepetitionsHappen) {

@@ -356,6 +356,33 @@ struct Notebook final : TruthObserver {
   std::vector<Line>& lines;
 };
 
+/// Keeps the quantities of the newest record.
+struct StateKeeper final : TruthObserver {
+  explicit StateKeeper(std::vector<std::pair<std::string, double>>& into) : state(into) {}
+  void record(const TruthRecord& record) override {
+    state.clear();
+    for (const StateTruth& quantity : record.state) {
+      state.emplace_back(quantity.name, quantity.value);
+    }
+  }
+  std::vector<std::pair<std::string, double>>& state;
+};
+
+// Criteria and plots had other names and units than `read` and `wait`.
+TEST(SimulatedWorld, TheTruthHasTheQuantitiesOfReadWithItsValues) {
+  SimulatedWorld world({}, Content().in_scene);
+  std::vector<std::pair<std::string, double>> state;
+  world.add_truth_observer(std::make_unique<StateKeeper>(state), 2ms);
+  SimulatedWorld moved = std::move(world);
+  SampleBatch batch;
+  advance(moved, {}, batch);
+  ASSERT_EQ(batch.state.size(), 1U);
+  ASSERT_EQ(moved.state_quantities().size(), 1U);
+  EXPECT_THAT(state, ElementsAre(std::pair<std::string, double>("way", batch.state[0])));
+  EXPECT_EQ(moved.state_quantities()[0].unit, "m");
+  EXPECT_NEAR(batch.state[0], 0.002, 1e-12);
+}
+
 TEST(SimulatedWorld, TellsWhereTheAntennasAreInTheOrderOfTheSensors) {
   const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
   const sim::LocalFrame frame({49.0, 7.0, 200.0, 48.0});

@@ -22,7 +22,7 @@ struct Row {
   std::string_view package;  ///< Debian's; empty: of the page itself.
 };
 
-constexpr std::array<Row, 24> kRows{{
+constexpr std::array<Row, 25> kRows{{
     {"/", "index.html", ""},
     {"/page/style.css", "style.css", ""},
     {"/page/main.js", "main.js", ""},
@@ -42,6 +42,7 @@ constexpr std::array<Row, 24> kRows{{
     {"/page/recording.js", "recording.js", ""},
     {"/page/registers.js", "registers.js", ""},
     {"/page/sensors.js", "sensors.js", ""},
+    {"/page/suggest.js", "suggest.js", ""},
     {"/page/timeline.js", "timeline.js", ""},
     {"/lib/three/build/three.module.js", "three/build/three.module.js", "libjs-three"},
     {"/lib/three/examples/jsm/controls/OrbitControls.js",

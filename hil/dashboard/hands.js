@@ -24,6 +24,12 @@ export class Hands {
     parts.pause.addEventListener("click", () => this.ask(this.paused ? "resume" : "pause"));
     parts.step.addEventListener("click", () => this.ask("step", { length: parts.stepLength.value }));
     parts.go.addEventListener("click", () => this.ask("run_until", { time: parts.goTime.value }));
+    // Enter in a field does what the button beside it does.
+    for (const [field, button] of [[parts.stepLength, parts.step], [parts.goTime, parts.go]]) {
+      field.addEventListener("keydown", (event) => {
+        if (event.key === "Enter") button.click();
+      });
+    }
     parts.speed.addEventListener("change", () => this.ask("speed", { factor: parts.speed.value }));
     parts.record.addEventListener("click", () => this.record());
     parts.faultOn.addEventListener("change", () => this.offerKinds());

@@ -88,6 +88,7 @@ const plots = new Plots(run, {
   hold: part("plot-pause"),
   span: part("plot-span"),
   csv: part("plot-csv"),
+  answer: part("plot-answer"),
 });
 const show = (time_s) => {
   plots.showAt(time_s);

@@ -1,8 +1,10 @@
-// Any number of the truth, of the fixes that clients read and of the wires' figures, on simulated
-// time, with what happened as lines across and faults as bands. The wheel changes the span, Hold keeps the picture, CSV
-// has what is kept.
+// Any quantity of the machine by the word of `read` and `wait` ("boom"), any number of the truth
+// ("truth.joint_rad.1", or "joint_rad.1" as in criteria), of the fixes that clients read and of the wires' figures, on
+// simulated time, with what happened as lines across and faults as bands. The wheel changes the span, Hold keeps the
+// picture, CSV has what is kept.
 
 import { keep, kept } from "/page/kept.js";
+import { nearestNames } from "/page/suggest.js";
 import { Chart, registerables } from "/lib/chart.js/chart.mjs";
 
 Chart.register(...registerables);
@@ -24,19 +26,28 @@ export class Plots {
   constructor(run, parts) {
     this.parts = parts;
     this.lines = new Map(kept("plots", []).map((quantity) => [quantity, []])); // quantity -> samples {x, y}
-    this.known = new Set();
+    this.known = new Set(); // topics of fixes that are listened to
+    this.options = new Map(); // quantity -> its entry in the list
+    this.units = new Map(); // word of `read` -> unit
     this.marks = []; // {x, text, bad}
     this.bands = []; // {begin, end, text}; end null: it acts on
     this.heldAt_s = null; // the picture's end, while it is held
-    this.span_s = Number(parts.span.value);
+    this.span_s = Number(parts.span.value) || 30; // what was kept may be no number
+    parts.span.value = String(this.span_s);
     this.last_s = 0;
     this.start_ns = null;
     run.addEventListener("open", () => (this.start_ns = null));
     run.listen("/truth", (truth, time) => {
       this.start_ns ??= time - BigInt(Math.round(truth.sim_s * 1e9));
-      this.take("truth", truth, truth.sim_s);
+      const { state = {}, ...rest } = truth;
+      for (const [word, number] of Object.entries(state)) {
+        if (typeof number === "number") this.sample(word, number, truth.sim_s);
+      }
+      this.take("truth", rest, truth.sim_s);
     });
     run.listen("/status", (status) => {
+      for (const [word, { unit }] of Object.entries(status.machine.quantities ?? {})) this.units.set(word, unit);
+      for (const [word, option] of this.options) if (this.units.get(word)) option.label = this.label(word);
       const figures = Object.fromEntries(
         Object.entries(status.devices).map(([name, device]) => [name, { ...device, last_request: null }]));
       this.take("wires", figures, status.time_ns * 1e-9);
@@ -169,36 +180,66 @@ export class Plots {
   }
 
   setSpan(seconds) {
-    if (!(seconds > 0)) return;
+    const isLength = seconds > 0 && seconds < Infinity;
+    this.parts.answer.textContent = isLength ? "" : "The span is a number of seconds above 0.";
+    if (!isLength) {
+      this.parts.span.value = String(Number(this.span_s.toPrecision(3)));
+      return;
+    }
     this.span_s = Math.min(3600, Math.max(0.1, seconds));
     this.parts.span.value = String(Number(this.span_s.toPrecision(3)));
   }
 
   take(source, message, time_s) {
+    eachNumber(message, source, (path, number) => this.sample(path, number, time_s));
     this.last_s = Math.max(this.last_s, time_s);
-    eachNumber(message, source, (path, number) => {
-      if (!this.known.has(path)) {
-        this.known.add(path);
-        this.parts.quantities.append(new Option(path, path));
-      }
-      const samples = this.lines.get(path);
-      if (!samples) return;
-      samples.push({ x: time_s, y: number });
-      if (samples.length > MOST_SAMPLES) samples.splice(0, samples.length - MOST_SAMPLES);
-    });
   }
 
-  add(quantity) {
-    if (!this.known.has(quantity) || this.lines.has(quantity)) return;
-    this.lines.set(quantity, []);
-    keep("plots", [...this.lines.keys()]);
+  sample(quantity, number, time_s) {
+    this.last_s = Math.max(this.last_s, time_s);
+    if (!this.options.has(quantity)) {
+      const option = new Option(this.label(quantity), quantity);
+      this.options.set(quantity, option);
+      this.parts.quantities.append(option);
+    }
+    const samples = this.lines.get(quantity);
+    if (!samples) return;
+    samples.push({ x: time_s, y: number });
+    if (samples.length > MOST_SAMPLES) samples.splice(0, samples.length - MOST_SAMPLES);
+  }
+
+  // A word with its unit; keys of the truth name theirs.
+  label(quantity) {
+    const unit = this.units.get(quantity);
+    return unit ? `${quantity} (${unit})` : quantity;
+  }
+
+  // Plots the quantity of that name, or says on the page why not.
+  add(name) {
+    const quantity = [name, `truth.${name}`, name.replace(/^(truth\.)?state\./, "")].find((one) => this.options.has(one));
+    if (quantity === undefined) {
+      this.parts.answer.textContent = this.unknown(name);
+    } else if (this.lines.has(quantity)) {
+      this.parts.answer.textContent = `${quantity} is plotted already.`;
+    } else {
+      this.parts.answer.textContent = "";
+      this.lines.set(quantity, []);
+      keep("plots", [...this.lines.keys()]);
+    }
+  }
+
+  unknown(name) {
+    if (this.options.size === 0) return "The run has reported no quantity yet.";
+    if (name === "") return "Name a quantity of the list.";
+    const near = nearestNames(name, this.options.keys());
+    return `No quantity is called ${name}. ${near.length > 0 ? `Did you mean ${near.join(", ")}?` : "The list of the field has all names."}`;
   }
 
   draw() {
     const end_s = this.heldAt_s ?? this.last_s;
     const begin_s = end_s - this.span_s;
-    this.chart.data.datasets = [...this.lines].map(([label, data], index) => ({
-      label,
+    this.chart.data.datasets = [...this.lines].map(([quantity, data], index) => ({
+      label: this.label(quantity),
       data: data.filter(({ x }) => x >= begin_s && x <= end_s),
       borderColor: COLOURS[index % COLOURS.length],
       backgroundColor: COLOURS[index % COLOURS.length],

@@ -48,7 +48,9 @@ export class Run extends EventTarget {
     });
     const reply = await response.json();
     if (!reply.ok) {
-      throw new Error([reply.what, reply.allowed && `allowed ${reply.allowed}`].filter(Boolean).join("; "));
+      const named = reply.path && !reply.what.includes(reply.path) ? `${reply.path}: ${reply.what}` : reply.what;
+      throw new Error([named, reply.found && `found ${reply.found}`, reply.allowed && `allowed ${reply.allowed}`]
+        .filter(Boolean).join("; "));
     }
     return reply;
   }

@@ -550,6 +550,38 @@ def a_mark_on_the_time_line_moves_the_plots(rig, browser):
     browser.find_element(By.ID, "plot-pause").click()
 
 
+def quantities_have_the_words_of_read_and_unknown_ones_are_answered(rig, browser):
+    """`boom` and Add did nothing and said nothing: the plots knew keys of the truth only."""
+    field = browser.find_element(By.ID, "quantity")
+    answer = browser.find_element(By.ID, "plot-answer")
+
+    def add(name):
+        field.clear()
+        field.send_keys(name)
+        browser.find_element(By.ID, "plot-add").click()
+        return answer.text
+    eventually("the list has the words", lambda: value(
+        browser, "[...document.getElementById('quantities').options].some(({ value }) => value === 'boom')"))
+    assert add("boom") == ""
+    told = eventually("it is plotted", lambda: value(browser, "rigwire.plots.lines.get('boom')?.at(-1)?.y"))
+    rig.command("pause")
+    read = rig.command("read")["machine"]["quantities"]["boom"]
+    rig.command("resume")
+    assert read["unit"] == "deg" and abs(told - read["value"]) < 5, (told, read)
+    eventually("with its unit", lambda: "boom (deg)" in value(
+        browser, "rigwire.plots.chart.data.datasets.map(({ label }) => label)"))
+    assert add("joint_rad.1") == "" and value(browser, "rigwire.plots.lines.has('truth.joint_rad.1')")
+    assert add("boom") == "boom is plotted already."
+    assert "Did you mean boom" in add("bom"), answer.text
+    assert add("") == "Name a quantity of the list."
+    span = browser.find_element(By.ID, "plot-span")
+    before = span.get_attribute("value")
+    span.clear()
+    span.send_keys("long", Keys.TAB)
+    assert answer.text == "The span is a number of seconds above 0." and span.get_attribute("value") == before
+    browser.find_element(By.ID, "plot-clear").click()
+
+
 def fog_by_its_slider_shortens_what_the_lidar_sees(rig, browser):
     farthest = """(() => {
         const { geometry } = rigwire.view.clouds.get('/points/lidar').points;
@@ -1067,7 +1099,8 @@ GROUPS = {
               buses_have_their_load_their_nodes_and_their_identifiers, lateness_of_a_device_is_shown_by_class,
               a_fix_has_its_ellipse,
               a_hand_is_marked_beside_what_the_client_asks, fog_by_its_slider_shortens_what_the_lidar_sees,
-              a_mark_on_the_time_line_moves_the_plots],
+              a_mark_on_the_time_line_moves_the_plots,
+              quantities_have_the_words_of_read_and_unknown_ones_are_answered],
     "looks": [nothing_is_complained_of, nothing_is_clipped, light_and_dark_can_both_be_read,
               keys_reach_everything],
     "recorded": [a_recording_goes_to_any_instant, a_run_that_is_started_again_is_found_again,

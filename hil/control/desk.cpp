@@ -317,7 +317,7 @@ void Desk::act(const WaitCommand& command, const Answer& answer) {
     refuse(answer, Reply::Outcome::wrong,
            {{"what", "the machine has no such quantity"},
             {"path", "quantity"},
-            {"found", printable(command.quantity)},
+            {"found", printable(shortened(command.quantity))},
             {"allowed", allowed_quantities(run_.quantities, command.quantity)}});
   } else if (!busy(answer)) {
     const SimTime limit = executive_.now() + command.limit;

@@ -179,6 +179,41 @@ std::pair<double, double> view_of(const sim::CameraKind& kind) {
           between({0.5 * width, 0.0}, {0.5 * width, height - 1.0})};
 }
 
+/// From where to where a camera's disparities are searched, or its distances measured: near is
+/// white.
+std::optional<CoordinateScale> coordinates_of(const sim::CameraKind& kind) {
+  const auto geometry = sim::abilities_of(kind).geometry;
+  if (!geometry) {
+    return std::nullopt;
+  }
+  if (const auto* const stereo = std::get_if<sim::StereoCameraParameters>(&kind)) {
+    const double least = stereo->matching.least_disparity;
+    return CoordinateScale{geometry->coding, "disparity", "px", least,
+                           least + stereo->matching.disparities};
+  }
+  if (const auto* const depth = std::get_if<sim::DepthCameraParameters>(&kind)) {
+    return CoordinateScale{geometry->coding, "range", "m", depth->farthest_m, depth->nearest_m};
+  }
+  return std::nullopt;
+}
+
+/// What is rendered for viewers while no client takes the pictures.
+std::vector<PreviewedCamera> previewed_cameras(const RigConfiguration& configuration,
+                                               const Rig& rig) {
+  std::vector<PreviewedCamera> cameras;
+  for (const auto& [name, station] : rig.camera_stations()) {
+    const auto found = configuration.devices.find(name);
+    const auto* const camera = found == configuration.devices.end()
+                                   ? nullptr
+                                   : fields::as<GigeCameraConfiguration>(found->second);
+    if (camera != nullptr) {
+      cameras.push_back({name, station, sensor_mount(configuration.machine, camera->mount),
+                         camera->sees_own_link, camera->sensor, power_on_command(*camera)});
+    }
+  }
+  return cameras;
+}
+
 std::vector<ShownSensor> shown_sensors(const RigConfiguration& configuration) {
   std::vector<ShownSensor> sensors;
   for (const auto& [name, device] : configuration.devices) {
@@ -198,6 +233,7 @@ std::vector<ShownSensor> shown_sensors(const RigConfiguration& configuration) {
     shown.X_LS = sensor_mount(configuration.machine, *mount).X_LS;
     if (camera != nullptr) {
       std::tie(shown.horizontal_rad, shown.vertical_rad) = view_of(camera->sensor);
+      shown.coordinates = coordinates_of(camera->sensor);
     }
   }
   return sensors;
@@ -262,6 +298,11 @@ Dashboard::Dashboard(boost::asio::io_context& io, RunStream& stream, Rig& rig,
   rig.world().add_truth_observer(
       stream.truth_observer(rig.calendar(), machine.truth_fields(), machine.link_names()), period);
   rig.world().add(stream.world_view(rig.world().scene(), machine.link_names().size()));
+  if (auto previews = stream.camera_previews(previewed_cameras(configuration, rig),
+                                             configuration.seed, rig.world().scene(),
+                                             rig.world().terrain(), rig.more_surroundings())) {
+    rig.world().add(std::move(previews));
+  }
   stream.follow([this] { return executive_.reached(); });
 }
 

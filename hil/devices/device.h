@@ -16,6 +16,7 @@
 #include "hil/configuration/fault_port.h"
 #include "hil/devices/client_request.h"
 #include "hil/devices/device_configuration.h"
+#include "hil/executive/shelves.h"
 #include "hil/wires/wire_statistics.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/gnss_sample.h"
@@ -120,6 +121,8 @@ class Device {
   [[nodiscard]] virtual std::string remark() const { return {}; }
   /// Whether the file of every lidar shot names it.
   [[nodiscard]] virtual bool is_lidar() const { return false; }
+  /// The station of a camera, at which it asks for exposures; nothing for other devices.
+  [[nodiscard]] virtual std::optional<StationIndex> camera_station() const { return std::nullopt; }
 
   [[nodiscard]] DeviceStatus status(const std::string& name, SimTime now) const;
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <boost/asio/post.hpp>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "drivers/udp_port.h"
@@ -146,12 +147,14 @@ class GigeCameraDevice final : public Device {
     executive.add(control_outlet_);
     executive.add(stream_outlet_);
     executive_ = &executive;
+    index_ = index;
     listen();
     return index;
   }
 
   [[nodiscard]] const emulators::GigeCamera& emulator() const override { return camera_; }
   [[nodiscard]] std::string remark() const override { return remark_; }
+  [[nodiscard]] std::optional<StationIndex> camera_station() const override { return index_; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override {
     drivers::EndpointStatus status = ports_->control.status();
     status.client_present = status.client_present || camera_.controlled();
@@ -260,6 +263,7 @@ class GigeCameraDevice final : public Device {
   emulators::GigeCamera camera_;
   StationOf<emulators::CameraBackend> station_;
   Executive* executive_ = nullptr;
+  std::optional<StationIndex> index_;
   std::uint32_t followed_changes_ = 0;
   bool follows_ = false;  ///< Is about to move.
   std::string remark_;

@@ -609,6 +609,20 @@ void Rig::open_taps(const TruthFiles& files) {
   }
 }
 
+std::map<std::string, StationIndex> Rig::camera_stations() const {
+  std::map<std::string, StationIndex> stations;
+  for (const NamedDevice& device : devices_) {
+    if (const auto station = device.device->camera_station()) {
+      stations.emplace(device.name, *station);
+    }
+  }
+  return stations;
+}
+
+std::shared_ptr<CameraSurroundings> Rig::more_surroundings() const {
+  return make_surroundings(configuration_, air_);
+}
+
 Rig::~Rig() {
   drivers::line_watch(io_).stop();
   drivers::endpoint_news(io_).on_news({});

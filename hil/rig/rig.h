@@ -149,6 +149,11 @@ class Rig {
   /// run.
   [[nodiscard]] SimulatedWorld& world() { return world_; }
   [[nodiscard]] const Calendar& calendar() const { return calendar_; }
+  /// The stations of its cameras, by the names of their devices.
+  [[nodiscard]] std::map<std::string, StationIndex> camera_stations() const;
+  /// Returns light and air like those around its cameras, with the same faults of the air, for
+  /// pictures that no camera of the rig takes.
+  [[nodiscard]] std::shared_ptr<CameraSurroundings> more_surroundings() const;
 
   /// Every wire that a client can be at.
   void watch_clients(ClientDrain& drain) const;

@@ -1,7 +1,10 @@
 #include "hil/stream/picture_reader.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace rigwire::hil {
 namespace {
@@ -34,6 +37,16 @@ unsigned depth_of(Code code) {
     default:
       return 0;
   }
+}
+
+/// Of a coordinate's value in a picture.
+unsigned grey_of(const CoordinateScale& scale, unsigned value) {
+  if (value == scale.coding.invalid) {
+    return 0;
+  }
+  const double coordinate = scale.coding.offset + scale.coding.scale * value;
+  const double share = (coordinate - scale.black) / (scale.white - scale.black);
+  return static_cast<unsigned>(std::lround(255.0 * std::clamp(share, 0.0, 1.0)));
 }
 
 std::size_t line_bytes(const gige::PartLeader& part) {
@@ -80,7 +93,7 @@ void PictureReader::begin(SimTime at, const gige::StreamPacket& packet) {
     auto part = std::ranges::find(leader->parts, gige::DataType::image_2d, &gige::PartLeader::type);
     if (part == leader->parts.end()) {
       part = std::ranges::find_if(
-          leader->parts, [](const gige::PartLeader& each) { return depth_of(each.format) != 0; });
+          leader->parts, [this](const gige::PartLeader& each) { return can_show(each.format); });
     }
     if (part == leader->parts.end()) {
       return;
@@ -101,7 +114,7 @@ void PictureReader::begin(SimTime at, const gige::StreamPacket& packet) {
     part_.padding_x = leader->padding_x;
   }
   const std::size_t size = line_bytes(part_) * part_.height;
-  if (depth_of(part_.format) == 0 || size == 0 || part_.width > kMostBytes ||
+  if (!can_show(part_.format) || size == 0 || part_.width > kMostBytes ||
       part_.height > kMostBytes || size > kMostBytes) {
     return;
   }
@@ -138,6 +151,10 @@ void PictureReader::place(std::size_t from, std::span<const std::uint8_t> bytes)
   }
 }
 
+bool PictureReader::can_show(Code format) const {
+  return depth_of(format) != 0 && (format != Code::coord3d_c16 || scale_);
+}
+
 bool PictureReader::end() {
   small_.block = *block_;
   block_.reset();
@@ -164,21 +181,17 @@ bool PictureReader::make_small() {
     return sample == 1 ? unsigned{bytes_[place]}
                        : bytes_[place] | unsigned{bytes_[place + 1]} << 8U;
   };
-  // The highest eight bits of brightness; disparities and distances by the largest one, since they
-  // fill a small part of their range.
-  const bool is_range = part_.format == Code::coord3d_c16;
-  unsigned largest = 1;
-  if (is_range) {
-    for (std::uint32_t y = 0; y < rows; ++y) {
-      for (std::uint32_t x = 0; x < columns; ++x) {
-        largest = std::max(largest, value_at(x, y, 0, 1));
-      }
-    }
-  }
+  // The highest eight bits of brightness; coordinates between the limits of their scale.
+  const CoordinateScale* const scale = part_.format == Code::coord3d_c16 ? &*scale_ : nullptr;
   const auto at = [&](std::uint32_t x, std::uint32_t y, std::size_t band, std::size_t bands) {
     const unsigned value = value_at(x, y, band, bands);
-    return static_cast<std::uint8_t>(is_range ? value * 255U / largest : value >> (depth - 8));
+    return static_cast<std::uint8_t>(scale != nullptr ? grey_of(*scale, value)
+                                                      : value >> (depth - 8));
   };
+  small_.remark = scale == nullptr
+                      ? std::string()
+                      : fmt::format("{}: black {:g} {}, white {:g} {}", scale->quantity,
+                                    scale->black, scale->unit, scale->white, scale->unit);
   small_.sent_width = part_.width;
   small_.sent_height = part_.height;
   small_.width = (columns + every - 1) / every;

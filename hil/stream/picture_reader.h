@@ -1,8 +1,9 @@
 // The picture that a GigE Vision camera sent, from the packets of its stream, small enough to be
 // looked at: of every so many pixels one, grey or red, green and blue.
 //
-// Of a block of several parts the first image is shown. A block of which a packet is missing makes
-// no picture.
+// A block of several parts is shown by its first image. Without one it is shown by its disparities
+// or distances, grey within fixed limits, so that two pictures can be compared. A block of which a
+// packet is missing makes no picture.
 #pragma once
 
 #include <chrono>
@@ -10,19 +11,33 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "protocols/gige_vision/gvsp.h"
+#include "sim/samples/picture_sample.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {
+
+/// How the third coordinate of a camera's pictures is shown: grey in proportion, from black to
+/// white. A pixel without a coordinate is black, too.
+struct CoordinateScale {
+  CoordinateCoding coding;
+  std::string quantity;  ///< "disparity".
+  std::string unit;      ///< "px": of the limits.
+  double black = 0.0;
+  double white = 1.0;  ///< May be less than `black`, but not equal to it.
+};
 
 struct SmallPicture {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::string_view encoding;  ///< "mono8" or "rgb8".
   std::vector<std::uint8_t> pixels;
+  std::string remark;  ///< Limits of the grey of a coordinate; empty for an image.
   // Of the picture that was sent.
   std::uint64_t block = 0;
   std::uint32_t sent_width = 0;
@@ -37,6 +52,10 @@ class PictureReader {
   /// From one picture to the next at least, simulated.
   static constexpr Duration kEvery = std::chrono::milliseconds{200};
 
+  /// `scale`: of a camera with a third coordinate. Without it, coordinates are left out.
+  explicit PictureReader(std::optional<CoordinateScale> scale = std::nullopt)
+      : scale_(std::move(scale)) {}
+
   /// The next datagram of the stream. When a picture is whole it; valid until the next call.
   [[nodiscard]] const SmallPicture* take(SimTime at, std::span<const std::uint8_t> datagram);
 
@@ -47,7 +66,10 @@ class PictureReader {
   [[nodiscard]] bool end();
   void place(std::size_t from, std::span<const std::uint8_t> bytes);
   [[nodiscard]] bool make_small();
+  /// Whether its pixels can be shown.
+  [[nodiscard]] bool can_show(protocols::gige_vision::PixelFormatCode format) const;
 
+  std::optional<CoordinateScale> scale_;
   std::optional<std::uint64_t> block_;
   bool multipart_ = false;
   protocols::gige_vision::PartLeader part_;

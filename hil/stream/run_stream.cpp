@@ -10,11 +10,11 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 #include "hil/stream/fix_reader.h"
 #include "hil/stream/identifier_counts.h"
-#include "hil/stream/picture_reader.h"
 #include "hil/stream/sky_reader.h"
 #include "hil/stream/wire_reading.h"
 #include "protocols/can/frame_text.h"
@@ -131,10 +131,31 @@ std::string picture_message(std::int64_t unix_ns, const std::string& frame,
                                                  .step = picture.width * bands,
                                                  .block = picture.block,
                                                  .sent_width = picture.sent_width,
-                                                 .sent_height = picture.sent_height},
+                                                 .sent_height = picture.sent_height,
+                                                 .remark = picture.remark},
                                                 picture.pixels.size());
   bytes.append(picture.pixels.begin(), picture.pixels.end());
   return bytes;
+}
+
+/// What stands below a preview.
+constexpr const char* kPreviewRemark =
+    "preview, rendered for this page; no client takes the camera's pictures";
+
+/// As a message has it; its block is 0, which no camera sends.
+SmallPicture small_picture(const CameraPreview& preview) {
+  SmallPicture small;
+  small.width = static_cast<std::uint32_t>(preview.picture.columns);
+  small.height = static_cast<std::uint32_t>(preview.picture.rows);
+  small.encoding = preview.picture.channels == 3 ? "rgb8" : "mono8";
+  small.pixels.reserve(preview.picture.samples.size());
+  for (const std::uint16_t sample : preview.picture.samples) {
+    small.pixels.push_back(static_cast<std::uint8_t>(sample));
+  }
+  small.remark = kPreviewRemark;
+  small.sent_width = small.width;
+  small.sent_height = small.height;
+  return small;
 }
 
 /// Of dense messages, of which the newest counts.
@@ -246,7 +267,7 @@ class RunStream::Wire final : public WireTap {
         sensor->kind == "camera") {
       pictures_ = viewers.add(dense_channel("/camera/" + name, foxglove::kRawImageSchemaName,
                                             foxglove::raw_image_schema()));
-      picture_reader_.emplace();
+      picture_reader_.emplace(sensor->coordinates);
     }
     const auto lidar = std::ranges::find(stream.run_.lidars, name, &RecordedLidar::name);
     if (lidar != stream.run_.lidars.end()) {
@@ -274,6 +295,9 @@ class RunStream::Wire final : public WireTap {
 
   // On the thread of the viewers.
 
+  [[nodiscard]] const std::string& name() const { return name_; }
+  /// The channel of its camera's pictures; nothing: it is no camera's.
+  [[nodiscard]] const std::optional<Viewers::ChannelId>& pictures() const { return pictures_; }
   /// Whether its account is to be told anew.
   [[nodiscard]] bool decode(const Piece& piece);
   void tell_account(SimTime at);
@@ -584,6 +608,46 @@ std::unique_ptr<WorldSensor> RunStream::world_view(const sim::Scene& scene, std:
       }
     });
   });
+}
+
+std::unique_ptr<WorldSensor> RunStream::camera_previews(
+    const std::vector<PreviewedCamera>& cameras, std::uint64_t seed, const sim::Scene& scene,
+    sim::Scene::InstanceId terrain, std::shared_ptr<CameraSurroundings> surroundings) {
+  std::vector<PreviewedCamera> shown;
+  std::vector<Viewers::ChannelId> channels;
+  for (const PreviewedCamera& camera : cameras) {
+    for (const auto& wire : wires_) {
+      if (wire->name() == camera.name && wire->pictures()) {
+        shown.push_back(camera);
+        channels.push_back(*wire->pictures());
+      }
+    }
+  }
+  if (shown.empty()) {
+    return nullptr;
+  }
+  PreviewViewers viewers;
+  viewers.wanted = [this, channels](std::size_t camera) {
+    return viewers_.wanted(channels[camera]);
+  };
+  viewers.show = [this, channels, shown](CameraPreview preview) {
+    boost::asio::post(
+        io_, [this, camera = shown[preview.camera].name, channel = channels[preview.camera],
+              preview = std::move(preview)] { show_preview(camera, channel, preview); });
+  };
+  viewers.failed = [this](std::string what) {
+    // Reported as whatever fails on the thread of the viewers.
+    boost::asio::post(io_, [what = std::move(what)] { throw std::runtime_error(what); });
+  };
+  return make_camera_previews(std::move(shown), seed, scene, terrain, std::move(surroundings),
+                              std::move(viewers));
+}
+
+void RunStream::show_preview(const std::string& camera, Viewers::ChannelId channel,
+                             const CameraPreview& preview) {
+  const std::uint64_t at = unix_ns(preview.time);
+  viewers_.put(channel, at,
+               picture_message(static_cast<std::int64_t>(at), camera, small_picture(preview)));
 }
 
 void RunStream::tell(const RunEvent& event) {

@@ -14,7 +14,8 @@
 //                                         (hil/stream/sky_reader.h)
 //   /camera/NAME                          foxglove_msgs/msg/RawImage, CDR: pictures that a client
 //                                         takes, from their packets, smaller
-//                                         (hil/stream/picture_reader.h)
+//                                         (hil/stream/picture_reader.h); while no client takes
+//                                         any, previews (hil/world/camera_previews.h)
 //   /sensors                              rigwire.Sensors: where each sits; once
 //   /wire/NAME                            rigwire.WireMessage: what passes on a wire
 //                                         (hil/stream/wire_reading.h)
@@ -31,6 +32,7 @@
 // which may be nicer than the run. It looks from time to time at what the others have put down, and
 // none of them wakes it: of the truth, told ahead of the wires, what has had its instant; of wires
 // copies of their bytes, in a bounded queue. What finds no room there is not shown, and counted.
+// Previews, two a second, are posted to it by their own thread.
 #pragma once
 
 #include <atomic>
@@ -48,9 +50,11 @@
 #include "hil/record/run_events.h"
 #include "hil/record/truth_messages.h"
 #include "hil/stream/modbus_reader.h"
+#include "hil/stream/picture_reader.h"
 #include "hil/stream/scene_model.h"
 #include "hil/stream/viewers.h"
 #include "hil/wires/wire_tap.h"
+#include "hil/world/camera_previews.h"
 #include "hil/world/truth_observer.h"
 #include "hil/world/view.h"
 #include "protocols/can/message.h"
@@ -68,6 +72,7 @@ struct ShownSensor {
   // Of a camera, from the middle of one edge of the picture to the other's.
   double horizontal_rad = 0.0;
   double vertical_rad = 0.0;
+  std::optional<CoordinateScale> coordinates{};  ///< Of a camera with a third coordinate.
 };
 
 struct StreamedRun {
@@ -114,6 +119,12 @@ class RunStream {
   /// `links`: of the machine.
   [[nodiscard]] std::unique_ptr<WorldSensor> world_view(const sim::Scene& scene, std::size_t links);
 
+  /// Returns what renders previews of these cameras while they are watched and no client takes
+  /// their pictures; null without cameras. `surroundings` as for make_camera_previews().
+  [[nodiscard]] std::unique_ptr<WorldSensor> camera_previews(
+      const std::vector<PreviewedCamera>& cameras, std::uint64_t seed, const sim::Scene& scene,
+      sim::Scene::InstanceId terrain, std::shared_ptr<CameraSurroundings> surroundings);
+
   /// Present simulated time; asked on any thread.
   void follow(std::function<SimTime()> now) { now_ = std::move(now); }
 
@@ -132,6 +143,8 @@ class RunStream {
   class Decoder;
 
   void look();
+  void show_preview(const std::string& camera, Viewers::ChannelId channel,
+                    const CameraPreview& preview);
 
   boost::asio::io_context& io_;
   StreamedRun run_;

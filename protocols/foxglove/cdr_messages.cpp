@@ -97,6 +97,7 @@ std::string raw_image_schema() {
          "uint64 block\n"
          "uint32 sent_width\n"
          "uint32 sent_height\n"
+         "string remark\n"
          "uint8[] data\n" +
          time_part();
 }
@@ -129,6 +130,7 @@ std::string begin_raw_image(const RawImageHead& head, std::size_t data_bytes) {
   cdr.put(head.block);
   cdr.put(head.sent_width);
   cdr.put(head.sent_height);
+  cdr.put(head.remark);
   cdr.put(static_cast<std::uint32_t>(data_bytes));
   return cdr.take();
 }

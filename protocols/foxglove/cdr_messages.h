@@ -12,8 +12,8 @@
 //   PointCloud   timestamp (i32 s, u32 ns), frame_id, pose (7 f64: x, y, z; x, y, z, w),
 //                point_stride u32, fields[] (name, offset u32, type u8), data u8[]
 //   RawImage     timestamp, frame_id, width u32, height u32, encoding, step u32, and of our own
-//                what the picture was made of: block u64, sent_width u32, sent_height u32; data
-//                u8[]
+//                what the picture was made of: block u64, sent_width u32, sent_height u32, remark;
+//                data u8[]
 //
 // Data stands last in both, whatever the place that the published definition gives it: readers go
 // by the definition that a channel brings along.
@@ -58,6 +58,7 @@ struct RawImageHead {
   std::uint64_t block = 0;
   std::uint32_t sent_width = 0;
   std::uint32_t sent_height = 0;
+  std::string_view remark;  ///< For people: how to read it.
 };
 
 inline constexpr std::string_view kPointCloudSchemaName = "foxglove_msgs/msg/PointCloud";

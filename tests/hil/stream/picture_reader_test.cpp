@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <numeric>
 #include <tuple>
 #include <vector>
@@ -158,14 +160,13 @@ TEST(PictureReader, OfSeveralPartsTheFirstImageIsShown) {
   EXPECT_THAT(picture->pixels, ElementsAre(10, 11));
 }
 
-// A client that takes disparities and how sure they are, and no image.
-TEST(PictureReader, WithoutAnImageDisparitiesAreShownByTheLargestOne) {
-  PictureReader reader;
+/// The picture of one block of three disparities, without an image; null: none.
+const SmallPicture* disparities(PictureReader& reader, const std::array<std::uint16_t, 3>& values) {
   gige::PartLeader disparity;
   disparity.type = gige::DataType::image_3d;
   disparity.format = gige::PixelFormatCode::coord3d_c16;
-  disparity.length = 4;
-  disparity.width = 2;
+  disparity.length = 6;
+  disparity.width = 3;
   disparity.height = 1;
   const std::vector<gige::PartLeader> parts{disparity};
   (void)reader.take(kStart, packet(
@@ -176,17 +177,42 @@ TEST(PictureReader, WithoutAnImageDisparitiesAreShownByTheLargestOne) {
                                 1));
   (void)reader.take(kStart,
                     packet(gige::PacketFormat::multipart, 1, 1, [&](std::span<std::uint8_t> out) {
-                      const std::size_t head = gige::write_multipart_header(out, 0, 0);
-                      out[head] = 100;  // low byte first
-                      out[head + 1] = 0;
-                      out[head + 2] = 200;
-                      out[head + 3] = 0;
-                      return head + 4;
+                      std::size_t at = gige::write_multipart_header(out, 0, 0);
+                      for (const std::uint16_t value : values) {
+                        out[at++] = static_cast<std::uint8_t>(value & 0xFFU);  // low byte first
+                        out[at++] = static_cast<std::uint8_t>(value >> 8U);
+                      }
+                      return at;
                     }));
-  const SmallPicture* const picture = reader.take(kStart, trailer(1, true));
+  return reader.take(kStart, trailer(1, true));
+}
+
+// A client that takes disparities and how sure they are, and no image.
+TEST(PictureReader, WithoutAnImageDisparitiesAreShownWithinFixedLimits) {
+  // In sixteenths of a pixel, 0 for none, from 10 px to 61 px: five greys a pixel.
+  const CoordinateScale scale{{1.0 / 16.0, 0.0, 0}, "disparity", "px", 10.0, 61.0};
+  for (const std::uint16_t largest : {std::uint16_t{31 * 16}, std::uint16_t{16 * 200}}) {
+    PictureReader reader(scale);
+    const SmallPicture* const picture = disparities(reader, {0, 11 * 16, largest});
+    ASSERT_NE(picture, nullptr);
+    EXPECT_EQ(picture->encoding, "mono8");
+    EXPECT_THAT(picture->pixels, ElementsAre(0, 5, largest == 31 * 16 ? 105 : 255))
+        << "the grey of a disparity does not depend on the others";
+    EXPECT_EQ(picture->remark, "disparity: black 10 px, white 61 px");
+  }
+}
+
+TEST(PictureReader, DistancesMayBeBrightWhereTheyAreSmall) {
+  PictureReader reader(CoordinateScale{{0.001, 0.0, 0}, "range", "m", 10.0, 0.0});
+  const SmallPicture* const picture = disparities(reader, {0, 2000, 20000});
   ASSERT_NE(picture, nullptr);
-  EXPECT_EQ(picture->encoding, "mono8");
-  EXPECT_THAT(picture->pixels, ElementsAre(127, 255));
+  EXPECT_THAT(picture->pixels, ElementsAre(0, 204, 0));
+  EXPECT_EQ(picture->remark, "range: black 10 m, white 0 m");
+}
+
+TEST(PictureReader, WithoutLimitsCoordinatesAreLeftOut) {
+  PictureReader reader;
+  EXPECT_EQ(disparities(reader, {0, 1, 2}), nullptr);
 }
 
 TEST(PictureReader, WhatNobodyCanHoldOrSeeIsLeftOut) {

@@ -45,12 +45,14 @@ TEST(CdrMessages, APicturesBlockIsAtAMultipleOfEight) {
                                              .step = 9,
                                              .block = 0x1'0000'0002,
                                              .sent_width = 6,
-                                             .sent_height = 4},
+                                             .sent_height = 4,
+                                             .remark = "abc"},
                                             18);
   std::string expected = "\0\1\0\0"s + "\1\0\0\0"s + "\0\0\0\0"s;
   expected += "\2\0\0\0"s + "a\0"s + "\0\0"s;                             // up to 16
   expected += "\3\0\0\0"s + "\2\0\0\0"s + "\5\0\0\0rgb8\0"s + "\0\0\0"s;  // up to 36
   expected += "\x9\0\0\0"s + "\2\0\0\0\1\0\0\0"s + "\6\0\0\0"s + "\4\0\0\0"s;
+  expected += "\4\0\0\0abc\0"s;
   expected += "\x12\0\0\0"s;
   EXPECT_EQ(bytes, expected);
 }

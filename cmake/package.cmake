@@ -26,6 +26,10 @@ foreach(component library program)
     DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ${component})
 endforeach()
 
+# The pages that `rigwire describe` names; without their pictures.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/rigwire/docs
+  COMPONENT program FILES_MATCHING PATTERN "*.md" PATTERN "pictures" EXCLUDE)
+
 install(FILES ${PROJECT_BINARY_DIR}/rigwire.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1
   COMPONENT program)
 

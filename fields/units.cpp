@@ -150,7 +150,8 @@ std::string allowed_units(Dimension dimension) {
   std::string text;
   for (const Unit& unit : detail::kUnits) {
     if (unit.dimension == dimension && !unit.symbol.empty()) {
-      text += (text.empty() ? "" : ", ") + std::string(unit.symbol);
+      text += (text.empty() ? "" : ", ") +
+              std::string(unit.symbol == "1" ? "a bare number" : unit.symbol);
     }
   }
   return text.empty() ? "a bare number" : text;

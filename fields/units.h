@@ -306,7 +306,7 @@ struct Quantity {
 /// The unit with that symbol that belongs to `dimension`; null when there is none.
 [[nodiscard]] const Unit* find_unit(std::string_view symbol, Dimension dimension);
 
-/// "mm, cm, m" for messages; "a bare number" for a dimension without units.
+/// "mm, cm, m" for messages; "a bare number" for a dimension without units, and for the unit 1.
 [[nodiscard]] std::string allowed_units(Dimension dimension);
 
 /// Shortest decimal text that reads back as the same double.

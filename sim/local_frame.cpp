@@ -40,10 +40,10 @@ Eigen::Matrix3d enu_from_ecef(double latitude_deg, double longitude_deg) {
 }  // namespace
 
 void validate(const LocalFrameParameters& parameters) {
-  check("latitude_deg", parameters.latitude_deg, -90.0, 90.0);
-  check("longitude_deg", parameters.longitude_deg, -180.0, 180.0);
-  check("ellipsoid_height_m", parameters.ellipsoid_height_m, -1000.0, 20000.0);
-  check("geoid_separation_m", parameters.geoid_separation_m, -120.0, 100.0);
+  check("latitude, deg,", parameters.latitude_deg, -90.0, 90.0);
+  check("longitude, deg,", parameters.longitude_deg, -180.0, 180.0);
+  check("ellipsoid height, m,", parameters.ellipsoid_height_m, -1000.0, 20000.0);
+  check("geoid separation, m,", parameters.geoid_separation_m, -120.0, 100.0);
 }
 
 LocalFrame::LocalFrame(const LocalFrameParameters& parameters,

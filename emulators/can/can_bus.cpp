@@ -34,10 +34,10 @@ void validate(const CanBusSettings& settings) {
 
 void validate(const CanNodeSettings& settings) {
   const std::uint32_t rate = settings.bit_rate_bps;
-  fields::require(rate == 0 || (rate >= kLeastRate_bps && rate <= kGreatestRate_bps),
-                  "bit_rate_bps", std::to_string(rate), "0 or 10000 .. 1000000");
-  fields::require(settings.queue_frames <= 65'536, "queue_frames",
-                  std::to_string(settings.queue_frames), "0 .. 65536");
+  fields::require(rate == 0 || (rate >= kLeastRate_bps && rate <= kGreatestRate_bps), "bit_rate",
+                  std::to_string(rate) + " bit/s", "0 or 10000 .. 1000000 bit/s");
+  fields::require(settings.queue_frames <= 65'536, "queue", std::to_string(settings.queue_frames),
+                  "0 .. 65536");
   const Duration restart = settings.restart_after.value_or(Duration{0});
   fields::require(restart >= Duration{0} && restart <= std::chrono::hours{1}, "restart_after",
                   std::to_string(restart.count()) + " ns", "0 .. 1 h");

@@ -137,10 +137,11 @@ int refuse_log_level(const std::string& found, Terminal terminal, const std::str
 
 int refuse_control(const std::string& found, const std::string& where, Terminal terminal,
                    const std::string& verb) {
-  return usage(fmt::format("{}: no place of a control server, found \"{}\", allowed unix:FILE, or "
-                           "127.0.0.1:PORT with another number of 127.0.0.0/8 if you like",
-                           where, found),
-               terminal.err, verb);
+  return usage(
+      fmt::format("{}: not an address of a control server, found \"{}\", allowed unix:FILE, "
+                  "or PORT of this host as 127.X.Y.Z:PORT (from another one: ssh -L)",
+                  where, found),
+      terminal.err, verb);
 }
 
 /// The token of requests to a control server at a port, from the environment and not from the
@@ -600,7 +601,7 @@ int parse_and_dispatch(const std::vector<std::string>& arguments, const Companio
     return static_cast<int>(ExitCode::done);
   } catch (const CLI::CallForHelp&) {
     const auto used = app.get_subcommands();
-    terminal.out << (used.empty() ? app.help() : used.front()->help());
+    terminal.out << (used.empty() ? app.help() : used.front()->help("rigwire"));
     return static_cast<int>(ExitCode::done);
   } catch (const CLI::ParseError& error) {
     if (const auto name = empty_value()) {

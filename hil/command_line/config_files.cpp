@@ -36,6 +36,18 @@ std::vector<ConfigFile> config_files(const std::string& kind) {
   return files;
 }
 
+std::string page_file(const std::string& page) {
+  for (const fs::path& folder : config_folders()) {
+    // Documents lie beside the configurations, in both.
+    const fs::path file = folder.parent_path() / page;
+    std::error_code error;
+    if (fs::is_regular_file(file, error) && !find_fault(file.string(), TextShape::one_line)) {
+      return file.string();
+    }
+  }
+  return page;
+}
+
 std::string text_of(const ConfigFile& file) {
   Problems problems;
   const Value document = load_document(file.path, problems);

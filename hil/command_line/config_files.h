@@ -15,6 +15,10 @@ struct ConfigFile {
 /// All files of the kind, sorted by name; a name that two folders have counts once.
 [[nodiscard]] std::vector<ConfigFile> config_files(const std::string& kind);
 
+/// Where a page of the documents lies, "docs/scenes.md" in the source tree: as a file of the
+/// installation or of the source tree; the page's own name where neither has it.
+[[nodiscard]] std::string page_file(const std::string& page);
+
 /// Its `text` key, which is read now; empty when it has none.
 [[nodiscard]] std::string text_of(const ConfigFile& file);
 

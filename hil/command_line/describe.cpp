@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -37,7 +38,12 @@ struct DescribedType {
 DescribedType describe_type(std::size_t row) {
   const DeviceType& type = device_types()[row];
   const ConfiguredDevice device(row);
-  const OutlineNode outline = reference_outline(device);
+  OutlineNode outline = reference_outline(device);
+  for (OutlineNode& key : outline.children) {
+    if (key.key == "type") {
+      key.allowed.clear();  // only this one has the keys below
+    }
+  }
   DescribedType described{
       type.named, device->describe(),
       std::ranges::find(outline.children, "faults", &OutlineNode::key) != outline.children.end(),
@@ -48,11 +54,17 @@ DescribedType describe_type(std::size_t row) {
   return described;
 }
 
+/// Six digits; ten of a large one, so that it needs no exponent.
+std::string limit_text(double limit) {
+  const double size = std::abs(limit);
+  return size >= 1e6 && size < 1e10 ? fmt::format("{:.10g}", limit) : fmt::format("{:.6g}", limit);
+}
+
 std::string text_of(const DescribedType& type) {
   const DeviceDescription& description = type.description;
   std::string text = fmt::format(
       "{}: {}\n\nwire      {}\nfollows   {}\npage      {}\nfaults    {}\n", type.named.name,
-      type.named.text, description.wire, description.document, description.page,
+      type.named.text, description.wire, description.document, page_file(description.page),
       type.has_faults ? "its key `faults`, below"
                       : "none of its own; those of the wire that it is on");
   if (!type.live_keys.empty()) {
@@ -69,9 +81,8 @@ std::string text_of(const DescribedType& type) {
   if (!description.quantities.empty()) {
     rows = {{"quantity", "unit", "from", "to", "resolution"}};
     for (const DescribedQuantity& quantity : description.quantities) {
-      rows.push_back({quantity.name, quantity.unit, fmt::format("{:.6g}", quantity.lower),
-                      fmt::format("{:.6g}", quantity.upper),
-                      fmt::format("{:.6g}", quantity.resolution)});
+      rows.push_back({quantity.name, quantity.unit, limit_text(quantity.lower),
+                      limit_text(quantity.upper), fmt::format("{:.6g}", quantity.resolution)});
     }
     text += "\n" + table_text(rows);
   }
@@ -135,8 +146,8 @@ int tell(const nlohmann::ordered_json& all, const std::string& what_has_keys, bo
     terminal.out << fmt::format("links     {}\n",
                                 join_words(all.at("links").get<std::vector<std::string>>()));
   }
-  terminal.out << fmt::format("page      {}\n\nkeys in {}\n{}", text("page"), what_has_keys,
-                              text("keys"));
+  terminal.out << fmt::format("page      {}\n\nkeys in {}\n{}", page_file(text("page")),
+                              what_has_keys, text("keys"));
   return static_cast<int>(ExitCode::done);
 }
 

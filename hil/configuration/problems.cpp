@@ -14,6 +14,10 @@ std::string Location::text() const {
   if (is_default()) {
     return "default";
   }
+  // The whole of a request has no place that helps to find it.
+  if (line == 1 && column == 1 && source->find_first_of("./") == std::string::npos) {
+    return *source;
+  }
   return line == 0 ? *source : fmt::format("{}:{}:{}", *source, line, column);
 }
 

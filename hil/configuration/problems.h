@@ -29,7 +29,8 @@ struct Location {
   [[nodiscard]] bool is_argument() const {
     return source != nullptr && line == 0 && source->starts_with("--set ");
   }
-  /// "file:12:7", "file", "--set a.b=1" or "default". Printable.
+  /// "file.yaml:12:7", "file.yaml", "--set a.b=1" or "default"; of a request as a whole its name,
+  /// "the request". Printable.
   [[nodiscard]] std::string text() const;
   /// The same without the column, for the origin comments of `rigwire check --print`.
   [[nodiscard]] std::string line_text() const;

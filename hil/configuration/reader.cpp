@@ -122,6 +122,13 @@ void Reader::report(const Value& at, const std::string& path, std::string what, 
                  std::move(suggestion)});
 }
 
+void Reader::report_no_map(const Value& at, const std::string& path) {
+  // A text may be meant as the name of a file that has the keys.
+  const bool names = at.kind == Value::Kind::scalar && !fields::split_quantity(at.scalar);
+  report(at, path, std::string(kWrongKind), at.description(),
+         names ? "a map of keys, or of `include: FILE` for those of a file" : "a map of keys");
+}
+
 void Reader::push(const Value& map, std::string path) {
   origins_.set(path, map.where);
   frames_.push_back({&map, std::move(path), {}});
@@ -145,7 +152,7 @@ void Reader::pop() {
   }
 }
 
-const Value* Reader::find(std::string_view key) {
+const Value* Reader::find(std::string_view key, std::string_view meaning) {
   const bool is_required = required_ == key;
   required_.clear();
   Frame& frame = frames_.back();
@@ -157,7 +164,11 @@ const Value* Reader::find(std::string_view key) {
   }
   if (value == nullptr) {
     if (is_required) {
-      report(*frame.map, path_of(key), "missing key");
+      while (meaning.ends_with('.')) {
+        meaning.remove_suffix(1);
+      }
+      report(*frame.map, path_of(key),
+             meaning.empty() ? "missing key" : fmt::format("missing key ({})", meaning));
     }
     return nullptr;
   }
@@ -176,22 +187,22 @@ bool Reader::is_scalar(const Value& value, const std::string& path) {
   return value.kind == Value::Kind::scalar;
 }
 
-const Value* Reader::find_scalar(std::string_view key) {
-  const Value* value = find(key);
+const Value* Reader::find_scalar(std::string_view key, std::string_view meaning) {
+  const Value* value = find(key, meaning);
   return value != nullptr && is_scalar(*value, path_of(key)) ? value : nullptr;
 }
 
-const Value* Reader::find_map(std::string_view key) {
-  const Value* value = find(key);
+const Value* Reader::find_map(std::string_view key, std::string_view meaning) {
+  const Value* value = find(key, meaning);
   if (value != nullptr && value->kind != Value::Kind::map) {
-    report(*value, path_of(key), std::string(kWrongKind), value->description(), "a map of keys");
+    report_no_map(*value, path_of(key));
     return nullptr;
   }
   return value;
 }
 
-const Value* Reader::find_list(std::string_view key) {
-  const Value* value = find(key);
+const Value* Reader::find_list(std::string_view key, std::string_view meaning) {
+  const Value* value = find(key, meaning);
   if (value != nullptr && value->kind != Value::Kind::list) {
     report(*value, path_of(key), std::string(kWrongKind), value->description(), "a list");
     return nullptr;
@@ -241,15 +252,16 @@ bool Reader::read_number(const Value& value, const std::string& path, const Numb
   return true;
 }
 
-void Reader::number(std::string_view key, double& value, const NumberRule& rule, std::string_view) {
-  if (const Value* written = find(key)) {
+void Reader::number(std::string_view key, double& value, const NumberRule& rule,
+                    std::string_view text) {
+  if (const Value* written = find(key, text)) {
     read_number(*written, path_of(key), rule, value);
   }
 }
 
 void Reader::numbers(std::string_view key, std::span<double> values, const NumberRule& rule,
-                     std::string_view) {
-  const Value* written = find_list(key);
+                     std::string_view text) {
+  const Value* written = find_list(key, text);
   if (written == nullptr) {
     return;
   }
@@ -334,14 +346,14 @@ bool Reader::read_counted(const Value& value, const std::string& path, const Int
 }
 
 void Reader::whole(std::string_view key, std::int64_t& value, const IntegerRule& rule,
-                   bool unsigned_64, std::string_view) {
-  if (const Value* written = find(key)) {
+                   bool unsigned_64, std::string_view text) {
+  if (const Value* written = find(key, text)) {
     read_integer(*written, path_of(key), rule, unsigned_64, value);
   }
 }
 
-void Reader::boolean(std::string_view key, bool& value, std::string_view) {
-  const Value* written = find_scalar(key);
+void Reader::boolean(std::string_view key, bool& value, std::string_view text) {
+  const Value* written = find_scalar(key, text);
   if (written == nullptr) {
     return;
   }
@@ -352,8 +364,8 @@ void Reader::boolean(std::string_view key, bool& value, std::string_view) {
   report(*written, path_of(key), "not a yes-or-no value", written->description(), "true, false");
 }
 
-void Reader::text(std::string_view key, std::string& value, std::string_view) {
-  const Value* written = find_scalar(key);
+void Reader::text(std::string_view key, std::string& value, std::string_view text) {
+  const Value* written = find_scalar(key, text);
   if (written != nullptr && is_one_line(*written, path_of(key))) {
     value = written->scalar;
   }
@@ -367,8 +379,8 @@ bool Reader::is_one_line(const Value& value, const std::string& path) {
   return !fault;
 }
 
-void Reader::texts(std::string_view key, std::vector<std::string>& values, std::string_view) {
-  const Value* written = find_list(key);
+void Reader::texts(std::string_view key, std::vector<std::string>& values, std::string_view text) {
+  const Value* written = find_list(key, text);
   if (written == nullptr) {
     return;
   }
@@ -389,7 +401,7 @@ void Reader::file(std::string_view key, std::string& value, fields::FileKind kin
     this->text(key, value, text);
     return;
   }
-  const Value* written = find_scalar(key);
+  const Value* written = find_scalar(key, text);
   if (written == nullptr) {
     return;
   }
@@ -403,16 +415,17 @@ void Reader::file(std::string_view key, std::string& value, fields::FileKind kin
   const fs::path full = (fs::path(written->folder) / written->scalar).lexically_normal();
   std::error_code error;
   if (!fs::is_regular_file(full, error)) {
-    report(*written, path_of(key), "no such file: tried " + full.string(), written->description(),
-           "", nearest_file(full.string()));
+    report(*written, path_of(key),
+           fmt::format("no such file {}, tried {}", written->description(), full.string()), "", "",
+           nearest_file(full.string()));
     return;
   }
   value = fs::weakly_canonical(full, error).string();
 }
 
 void Reader::duration(std::string_view key, std::chrono::nanoseconds& value,
-                      const DurationRule& rule, std::string_view) {
-  const Value* written = find(key);
+                      const DurationRule& rule, std::string_view text) {
+  const Value* written = find(key, text);
   double nanoseconds = 0.0;
   const std::string path = path_of(key);
   if (written == nullptr ||
@@ -431,16 +444,17 @@ void Reader::duration(std::string_view key, std::chrono::nanoseconds& value,
 }
 
 void Reader::rate(std::string_view key, std::chrono::nanoseconds& period, const NumberRule& rule,
-                  std::string_view) {
-  const Value* written = find(key);
+                  std::string_view text) {
+  const Value* written = find(key, text);
   double hertz = 0.0;
   if (written != nullptr && read_number(*written, path_of(key), rule, hertz) && hertz > 0.0) {
     period = from_seconds(1.0 / hertz);
   }
 }
 
-void Reader::spelled(std::string_view key, const fields::Spelling& spelling, std::string_view) {
-  const Value* written = find_scalar(key);
+void Reader::spelled(std::string_view key, const fields::Spelling& spelling,
+                     std::string_view text) {
+  const Value* written = find_scalar(key, text);
   if (written == nullptr) {
     return;
   }
@@ -477,8 +491,8 @@ std::size_t Reader::read_choice(const Value& value, const std::string& path,
 }
 
 void Reader::pick(std::string_view key, std::size_t& index, std::span<const Named> names,
-                  std::string_view) {
-  if (const Value* written = find(key)) {
+                  std::string_view text) {
+  if (const Value* written = find(key, text)) {
     const std::size_t chosen = read_choice(*written, path_of(key), names, "unknown value");
     if (chosen != fields::kNoChoice) {
       index = chosen;
@@ -497,8 +511,8 @@ void Reader::part(std::string_view key, const fields::Part& part, std::string_vi
   }
 }
 
-void Reader::elements(std::string_view key, fields::Elements& list, std::string_view) {
-  const Value* written = find_list(key);
+void Reader::elements(std::string_view key, fields::Elements& list, std::string_view text) {
+  const Value* written = find_list(key, text);
   if (written == nullptr) {
     return;
   }
@@ -508,7 +522,7 @@ void Reader::elements(std::string_view key, fields::Elements& list, std::string_
     const std::string path = path_of(key) + "." + std::to_string(index);
     const fields::Part part = list.append();
     if (item.kind != Value::Kind::map) {
-      report(item, path, std::string(kWrongKind), item.description(), "a map of keys");
+      report_no_map(item, path);
     } else {
       read_map(item, path, part);
     }
@@ -531,7 +545,7 @@ void Reader::members(std::string_view key, fields::Members& map, std::string_vie
 
 void Reader::alternatives(std::string_view key, fields::Alternatives& types, std::string_view) {
   const bool missing = frames_.back().map->find(key) == nullptr;
-  const Value* written = find(key);
+  const Value* written = find(key, missing ? join_words(words(types.names())) : std::string());
   if (written != nullptr) {
     const std::size_t index =
         read_choice(*written, path_of(key), types.names(), "unknown " + std::string(key));
@@ -556,7 +570,7 @@ void Reader::alternatives(std::string_view key, fields::Alternatives& types, std
 
 void Reader::read(const fields::Part& part) {
   if (document_.kind != Value::Kind::map) {
-    report(document_, "", std::string(kWrongKind), document_.description(), "a map of keys");
+    report_no_map(document_, "");
     return;
   }
   read_map(document_, "", part);
@@ -601,7 +615,7 @@ bool Reader::keep_entry(const Value::Entry& entry, const std::string& path, cons
     return false;
   }
   if (entry.value.kind != Value::Kind::map) {
-    report(entry.value, path, std::string(kWrongKind), entry.value.description(), "a map of keys");
+    report_no_map(entry.value, path);
     return false;
   }
   // A --set that names something the files do not have is a slip, not a new thing.

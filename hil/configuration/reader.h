@@ -88,11 +88,12 @@ class Reader final : public fields::Visitor {
   };
 
   [[nodiscard]] std::string path_of(std::string_view key) const;
-  const Value* find(std::string_view key);
+  /// `meaning`: of the key, for who left out one that is required.
+  const Value* find(std::string_view key, std::string_view meaning = {});
   void refuse_without_effect(std::string_view key, const Value* value);
-  const Value* find_scalar(std::string_view key);
-  const Value* find_map(std::string_view key);
-  const Value* find_list(std::string_view key);
+  const Value* find_scalar(std::string_view key, std::string_view meaning = {});
+  const Value* find_map(std::string_view key, std::string_view meaning = {});
+  const Value* find_list(std::string_view key, std::string_view meaning = {});
   bool is_scalar(const Value& value, const std::string& path);
   /// Names and texts are shown in tables, messages and reports.
   bool is_one_line(const Value& value, const std::string& path);
@@ -110,6 +111,7 @@ class Reader final : public fields::Visitor {
   void pop();
   void report(const Value& at, const std::string& path, std::string what, std::string found = {},
               std::string allowed = {}, std::string suggestion = {});
+  void report_no_map(const Value& at, const std::string& path);
   [[nodiscard]] bool keep_entry(const Value::Entry& entry, const std::string& path,
                                 const Value& map, std::string_view noun);
   void read_map(const Value& map, const std::string& path, const fields::Part& part);

@@ -145,8 +145,10 @@ std::optional<Json> json_object(std::string_view text, std::string& why) {
 std::string said(const Reply& reply) {
   const Json json = Json::parse(reply.json);
   std::string text = json.value("what", "refused");
-  if (const std::string allowed = json.value("allowed", ""); !allowed.empty()) {
-    text += "; allowed " + allowed;
+  for (const char* const key : {"found", "allowed"}) {
+    if (const std::string words = json.value(key, ""); !words.empty()) {
+      text += fmt::format(", {} {}", key, words);
+    }
   }
   return text;
 }

@@ -563,8 +563,12 @@ void Desk::refuse(const Answer& answer, Reply::Outcome outcome, Json why) {
       const auto found = json.find(key);
       return found == json.end() || !found->is_string() ? std::string() : found->get<std::string>();
     };
+    const auto behind = [](const char* word, const std::string& text) {
+      return text.empty() ? text : word + text;
+    };
     run_.events->tell(executive_.now(), EventKind::refused, LogLevel::info, said("path"),
-                      "refused: " + said("what"));
+                      "refused: " + said("what") + behind(", found ", said("found")) +
+                          behind(", allowed ", said("allowed")));
   }
   answer({outcome, json.dump(-1, ' ', false, Json::error_handler_t::replace)});
 }

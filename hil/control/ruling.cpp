@@ -89,7 +89,10 @@ Json json_of(const NoSuchFault& error) {
 }
 
 Json json_of(const Problem& problem) {
-  Json why{{"what", problem.line()}};
+  Problem brief = problem;  // the rest stands beside it
+  brief.found.clear();
+  brief.allowed.clear();
+  Json why{{"what", brief.line()}};
   for (const auto& [key, words] : {std::pair{"path", shortened(problem.path)},
                                    {"found", shortened(problem.found)},
                                    {"allowed", problem.allowed}}) {

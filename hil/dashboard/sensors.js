@@ -1,6 +1,6 @@
 // Where the machine's sensors sit, and what their clients are told: axes of inertial units, cameras
-// with the pictures that a client takes, satellites as lines from each receiver. What is not ticked is
-// not asked for.
+// with the pictures that a client takes (or with previews, while none does), satellites as lines from
+// each receiver. What is not ticked is not asked for.
 
 import * as THREE from "/lib/three/build/three.module.js";
 
@@ -20,7 +20,7 @@ export class Sensors {
     this.choices = choices;
     this.pictures = pictures;
     this.shown = new Map(); // sensor -> {kind, group}
-    this.cameras = new Map(); // topic -> {canvas, caption, texture, pictures}
+    this.cameras = new Map(); // topic -> {canvas, caption, texture, picture, count, previews}
     this.skies = new Map(); // topic -> {lines, told}
     this.ends = new Map(); // topic -> what ends listening
     run.listen("/sensors", ({ sensors }) => this.place(sensors));
@@ -99,10 +99,10 @@ export class Sensors {
       new THREE.LineBasicMaterial({ color: 0x40c4ff, fog: false }));
     const figure = document.createElement("figure");
     const caption = document.createElement("figcaption");
-    caption.textContent = `${name}: no picture yet; pictures come while a client takes them`;
+    caption.textContent = `${name}: no picture yet; a preview comes when time goes on`;
     figure.append(canvas, caption);
     this.pictures.append(figure);
-    this.cameras.set(`/camera/${name}`, { name, canvas, caption, figure, texture, picture, count: 0 });
+    this.cameras.set(`/camera/${name}`, { name, canvas, caption, figure, texture, picture, count: 0, previews: 0 });
     return [lines, picture];
   }
 
@@ -132,7 +132,8 @@ export class Sensors {
     }
   }
 
-  showPicture(topic, { width, height, encoding, data: bytes, block, sent_width, sent_height }) {
+  // The block of a preview is 0. `remark`: how the picture is to be read.
+  showPicture(topic, { width, height, encoding, data: bytes, block, sent_width, sent_height, remark }) {
     const camera = this.cameras.get(topic);
     const image = new ImageData(width, height);
     const bands = encoding === "rgb8" ? 3 : 1;
@@ -147,8 +148,10 @@ export class Sensors {
     camera.canvas.getContext("2d").putImageData(image, 0, 0);
     camera.texture.needsUpdate = true;
     camera.picture.visible = true;
-    camera.caption.textContent = `${camera.name}: picture ${block}, ${sent_width} × ${sent_height}`;
-    ++camera.count;
+    const isPreview = Number(block) === 0;
+    const what = isPreview ? "" : `picture ${block}, ${sent_width} × ${sent_height}`;
+    camera.caption.textContent = `${camera.name}: ${[what, remark].filter(Boolean).join("; ")}`;
+    ++camera[isPreview ? "previews" : "count"];
   }
 
   showSky(topic, { from, satellites }) {

@@ -317,7 +317,7 @@ void visit_node(fields::Visitor& v, std::string& bus, emulators::OwnClockSetting
   const auto found = rig.buses.find(bus);
   return found == rig.buses.end()
              ? bus
-             : fmt::format("can {} at {} bit/s, {}", bus, found->second.bus.bit_rate_bps, who);
+             : fmt::format("CAN bus {} at {} bit/s, {}", bus, found->second.bus.bit_rate_bps, who);
 }
 
 /// A J1939 node that sends frames of 8 bytes.

@@ -186,7 +186,8 @@ DevicePlan DbcNodeConfiguration::plan(const RigView& rig) const {
   const auto& claim = device.settings.claim;
   return {can_wire(rig, bus,
                    claim ? fmt::format("address {}", claim->source_address)
-                         : fmt::format("{} messages", device.settings.sent.size())),
+                         : fmt::format("{} message{}", device.settings.sent.size(),
+                                       device.settings.sent.size() == 1 ? "" : "s")),
           fmt::format("{:.0f} frames/s", bus_share({})->frames_hz), "",
           device.text.empty() ? file : device.text};
 }

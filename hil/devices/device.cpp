@@ -1,9 +1,15 @@
 #include "hil/devices/device.h"
 
+#include <fmt/format.h>
+
 #include "fields/check.h"
 #include "hil/executive/executive.h"
 
 namespace rigwire::hil {
+
+std::string epochs_text(double rate_hz) {
+  return fmt::format("{:.3g} epoch{}/s", rate_hz, rate_hz == 1.0 ? "" : "s");
+}
 
 void visit(fields::Visitor& v, DeviceConfiguration& p) {
   p.visit(v);

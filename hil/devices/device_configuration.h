@@ -60,6 +60,9 @@ struct DeviceDescription {
   std::vector<DescribedQuantity> quantities;
 };
 
+/// How many epochs a satellite receiver sends, for DevicePlan::sends: "1 epoch/s", "10 epochs/s".
+[[nodiscard]] std::string epochs_text(double rate_hz);
+
 class DeviceConfiguration {
  public:
   virtual ~DeviceConfiguration() = default;

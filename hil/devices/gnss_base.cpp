@@ -83,8 +83,7 @@ struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration
   }
   [[nodiscard]] DevicePlan plan(const RigView& /*rig*/) const override {
     return {fmt::format("a line to its rovers at {} baud", baud),
-            fmt::format("{:.3g} epochs/s", 1.0 / to_seconds(period)), "",
-            fmt::format("station {}", station)};
+            epochs_text(1.0 / to_seconds(period)), "", fmt::format("station {}", station)};
   }
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view /*name*/) const override {
     return std::nullopt;

@@ -244,12 +244,13 @@ DevicePlan StarFireConfiguration::plan(const RigView& /*rig*/) const {
                           : fmt::format("pty {} at {} baud", port_list(path, ports), receiver.baud);
   std::string frames;
   if (const auto share = bus_share({})) {
-    wires += fmt::format("{}can {}, address 0x{:02X}", wires.empty() ? "" : "; ", bus,
+    wires += fmt::format("{}CAN bus {}, address 0x{:02X}", wires.empty() ? "" : "; ", bus,
                          receiver.source_address);
     frames = fmt::format("{:.1f} frames/s", share->frames_hz);
   }
-  return {wires, fmt::format("{:.3g} epochs/s", 1.0 / to_seconds(receiver.sentence_period)), frames,
-          fmt::format("{} sentences", receiver.sentences.size())};
+  return {wires, epochs_text(1.0 / to_seconds(receiver.sentence_period)), frames,
+          fmt::format("{} sentence{}", receiver.sentences.size(),
+                      receiver.sentences.size() == 1 ? "" : "s")};
 }
 
 std::optional<BusShare> StarFireConfiguration::bus_share(std::string_view name) const {

@@ -279,8 +279,8 @@ DevicePlan UbloxConfiguration::plan(const RigView& rig) const {
   constexpr double kBitsPerByte = 10.0;  // 8N1
   const std::string line =
       wire == SerialWire::pty ? "pty " + port_list(path, ports) : usb_wire(rig);
-  return {fmt::format("{} at {} baud", line, receiver.baud),
-          fmt::format("{:.3g} epochs/s", rate_hz), fmt::format("<= {:.0f} B/s", bytes),
+  return {fmt::format("{} at {} baud", line, receiver.baud), epochs_text(rate_hz),
+          fmt::format("<= {:.0f} B/s", bytes),
           fmt::format("{:.0f} % of the line", 100.0 * bytes * kBitsPerByte / receiver.baud)};
 }
 

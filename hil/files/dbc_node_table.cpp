@@ -16,10 +16,10 @@ using emulators::NamedQuantity;
 
 std::string markdown_table(const DbcNodeDescription& device) {
   std::string text =
-      "| message | identifier | when | signal | bits | count | unit | shows or moves |\n"
+      "| message | identifier | when | signal | bits | step | unit | shows or moves |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
   const auto head = [](const can::OwnedMessage& layout) {
-    return fmt::format("| `{}` | {:0{}X} |", layout.name, layout.id, layout.extended ? 8 : 3);
+    return fmt::format("| `{}` | 0x{:0{}X} |", layout.name, layout.id, layout.extended ? 8 : 3);
   };
   const auto bits = [](const can::OwnedSignal& row) {
     return fmt::format("`{}` | {}\\|{}{} | {}{} | {} |", row.name, row.bit, row.width,

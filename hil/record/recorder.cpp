@@ -355,7 +355,7 @@ class Recorder::Watch final : public EventSource {
 
   void tell(SimTime now, const FaultWindow& fault, const RecordedStatus& status,
             std::string_view what) {
-    const std::string text = fmt::format("fault {} of {} {} at {:.9f} s", fault.type, fault.where,
+    const std::string text = fmt::format("fault {} of {} {} at {:.3f} s", fault.type, fault.where,
                                          what, to_seconds(now));
     recorder_.events_.tell(now, what == "begins" ? EventKind::fault_begun : EventKind::fault_ended,
                            LogLevel::info, fault.where, text);

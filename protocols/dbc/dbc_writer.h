@@ -19,7 +19,7 @@ namespace rigwire::protocols::dbc {
 
 /// In which units and with which signs physical values are written.
 enum class Units : std::uint8_t {
-  si,        ///< SI, as this library has them.
+  si,        ///< As this library's tables have them: SI, but deg, deg/s and ms of some devices.
   document,  ///< As the messages' own document: rpm, %, kPa, km/h, deg for SAE J1939.
 };
 

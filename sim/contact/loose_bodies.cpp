@@ -41,15 +41,15 @@ std::vector<LooseBody> validated(std::vector<LooseBody> bodies) {
                       fields::plain().print(found),
                       fields::plain().print(least) + " .. " + fields::plain().print(most));
     };
-    require("mass_kg", body.mass_kg, 0.01, 1e8);
+    require("mass, kg", body.mass_kg, 0.01, 1e8);
     for (Eigen::Index i = 0; i < 3; ++i) {
       // Between a dot's and that of all its mass 100 m away.
-      require("inertia_kgm2", body.inertia_kgm2[i], 1e-9 * body.mass_kg, 1e4 * body.mass_kg);
+      require("inertia, kg m2", body.inertia_kgm2[i], 1e-9 * body.mass_kg, 1e4 * body.mass_kg);
     }
     require("friction", body.friction, 0.0, 10.0);
     require("rolling_resistance", body.rolling_resistance, 0.0, 1.0);
-    require("stiffness_npm", body.stiffness_npm, 1.0, 1e12);
-    require("position_m", body.X_WB.translation().cwiseAbs().maxCoeff(), 0.0, 1e8);
+    require("stiffness, N/m", body.stiffness_npm, 1.0, 1e12);
+    require("position, m", body.X_WB.translation().cwiseAbs().maxCoeff(), 0.0, 1e8);
     // Its columns are axes.
     require("axes", (body.X_WB.linear().transpose() * body.X_WB.linear()).trace(), 3.0 - 1e-6,
             3.0 + 1e-6);

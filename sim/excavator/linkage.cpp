@@ -4,6 +4,9 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+
+#include "fields/check.h"
 
 namespace rigwire::sim {
 namespace {
@@ -20,13 +23,13 @@ double wrap(double angle_rad) {
   return std::remainder(angle_rad, 2.0 * kPi);
 }
 
+/// `end`: the key of a file.
 [[noreturn]] void refuse(const char* cylinder, const char* end, double found_m, double from_m,
                          double to_m) {
   std::ostringstream text;
-  text << cylinder << "." << end << ": " << found_m
-       << " m is not reachable with these pins; allowed " << from_m << " .. " << to_m << " m ("
-       << kDeadCentreMargin_m << " m from the dead centres)";
-  throw std::invalid_argument(text.str());
+  text << "not reachable with these pins, found " << found_m << " m, allowed " << from_m << " .. "
+       << to_m << " m (" << kDeadCentreMargin_m << " m from the dead centres)";
+  throw fields::Refused(std::string(cylinder) + "." + end, text.str());
 }
 
 void check_reach(const char* name, const CylinderParameters& cylinder, double shortest_m,
@@ -34,10 +37,10 @@ void check_reach(const char* name, const CylinderParameters& cylinder, double sh
   const double from = shortest_m + kDeadCentreMargin_m;
   const double to = longest_m - kDeadCentreMargin_m;
   if (!(cylinder.length_min_m >= from && cylinder.length_min_m <= to)) {
-    refuse(name, "length_min_m", cylinder.length_min_m, from, to);
+    refuse(name, "length_min", cylinder.length_min_m, from, to);
   }
   if (!(cylinder.length_max_m > cylinder.length_min_m && cylinder.length_max_m <= to)) {
-    refuse(name, "length_max_m", cylinder.length_max_m, cylinder.length_min_m, to);
+    refuse(name, "length_max", cylinder.length_max_m, cylinder.length_min_m, to);
   }
 }
 

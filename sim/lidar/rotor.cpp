@@ -48,9 +48,9 @@ double counter_gaussian(std::uint64_t key, std::uint64_t counter) {
 
 void check(const LidarCommand& command) {
   if (!(std::abs(command.rotor_rate_radps) <= kGreatestRate_radps)) {
-    throw std::invalid_argument("lidar rotor: rotor_rate_radps is " +
+    throw std::invalid_argument("lidar rotor: the rate is out of range, found " +
                                 std::to_string(command.rotor_rate_radps) +
-                                ", allowed: -500 to 500");
+                                " rad/s, allowed -500 .. 500 rad/s");
   }
   if (command.phase_lock && !std::isfinite(command.phase_lock->azimuth_rad)) {
     throw std::invalid_argument("lidar rotor: the phase lock's azimuth is not a finite number");

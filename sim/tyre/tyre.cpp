@@ -97,8 +97,8 @@ Tyre::Tyre(const TyreParameters& parameters, double carried_mass_kg)
     : parameters_(parameters), carried_mass_kg_(carried_mass_kg) {
   validate(parameters_);
   if (!std::isfinite(carried_mass_kg) || !(carried_mass_kg > 0.0)) {
-    throw std::invalid_argument("tyre: carried_mass_kg is " + std::to_string(carried_mass_kg) +
-                                ", allowed: greater than 0");
+    throw std::invalid_argument("tyre: the carried mass is out of range, found " +
+                                std::to_string(carried_mass_kg) + " kg, allowed above 0 kg");
   }
 }
 

@@ -2,7 +2,7 @@
 
     dashboard_rigs.py BINARY_DIR SCRATCH_DIR RIG
 
-Of excavator_vision the pictures too, which Aravis takes meanwhile.
+Of excavator_vision the pictures too: previews at first, then those that Aravis takes.
 """
 import contextlib
 import re
@@ -32,8 +32,12 @@ def client_of_the_cameras(rig):
 def see_the_pictures(rig, browser):
     cameras = value(browser, "[...rigwire.sensors.cameras.keys()]")
     assert "/camera/surround" in cameras, cameras
+    for topic in cameras:
+        eventually(f"a preview of {topic}", lambda: value(
+            browser, f"rigwire.sensors.cameras.get('{topic}').previews") > 0)
     said = value(browser, "document.getElementById('pictures').textContent")
-    assert said.count("no picture yet") == len(cameras), said
+    assert said.count("preview, rendered for this page; no client takes the camera's pictures") == len(cameras), said
+    assert value(browser, "[...rigwire.sensors.cameras.values()].every(({ count }) => count === 0)"), "no client yet"
     rig.command("speed", factor=0.1)  # pictures are to be rendered in time on a busy machine, too
     with client_of_the_cameras(rig) as clients:
         assert len(clients) == len(cameras), rig.told["devices"]

@@ -30,7 +30,7 @@ SETTLED_S = 5  # of the rig's own time: receivers boot for two seconds, and thei
 PROGRAMS = (r"(build/|scripts/|\./(demo|check)\b|(sudo|rigwire|dig_cycle|path_follow|roll_lane|gpsd|cgps|"
             r"gpspipe|ubxtool|candump|cansend|canbusload|ip|slcand|socketcand|mbpoll|tshark|curl|nc|"
             r"j1939acd|testj1939|j1939cat|usbip|evtest|modprobe|cp|while|python3|ros2|arv-[a-z-]+0\.8|"
-            r"gst-launch-1\.0)\s)")
+            r"gst-launch-1\.0|str2str)\s)")
 
 KERNEL_CAN = "needs a kernel with CAN; tests/kernel runs its tools"
 ROOT = "needs root on the whole machine"
@@ -54,7 +54,9 @@ COMMANDS = [
     (r"cmake --install build .*", "tests/install does so, to a folder of its own", None, None),
     # Verbs.
     (r"cp configs/rigs/excavator_pit\.yaml my_rig\.yaml", "ends", None, None),
+    (r"cp ~/\.local/share/rigwire/\S+ my_rig\.yaml", "needs an installed program; tests/install makes one in a folder of its own", None, None),
     (r"build/rigwire check my_rig\.yaml --print", "ends", None, "devices:"),
+    (r"rigwire check my_rig\.yaml", "ends", None, None),
     (r"build/rigwire run my_rig\.yaml --(duration 1min --report report\.json|clock free --duration 10min)",
      "goes on", None, None),
     (r"build/rigwire describe gnss", "ends", None, "UBX"),
@@ -105,6 +107,8 @@ COMMANDS = [
     (r"cgps localhost:2950", "goes on", ("gpsd",), None),
     (r"gpsd -N -n -s 19200 -S 2950 /tmp/rigwire/starfire\.1", "goes on", GATOR, None),
     (r"ubxtool -f /tmp/rigwire/gnss_left .*", "ends", ("gator_heading",), "HPG"),
+    (r"str2str -in ntrip://rover:secret@\S+ -out serial:///tmp/rigwire/gnss:115200", "goes on",
+     ("gator_rtk",), r"\[CC"),
     (r"tshark -i lo -f 'udp port 2368'", "goes on", PIT, "UDP"),
     (r"mbpoll -m tcp -p 1502 -0 -t 3 -r 0 -c 22 127\.0\.0\.1", "goes on", PIT, r"\[0\]:"),
     (r"mbpoll -m tcp .* -1 .*", "ends", ("excavator_pit",), None),

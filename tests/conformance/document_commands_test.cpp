@@ -19,7 +19,8 @@ using test::ChildProcess;
 // What runs beside the commands, see there.
 constexpr std::array kGroups{"alone",       "excavator_pit", "unimog_forest",    "gator_campus",
                              "roller_road", "gator_heading", "lidar_park",       "modbus_rtu",
-                             "socketcand",  "gpsd",          "excavator_vision", "unimog_vision"};
+                             "socketcand",  "gpsd",          "excavator_vision", "unimog_vision",
+                             "gator_rtk"};
 
 std::string script(const test::PrivateWires& wires, const std::string& task) {
   return "/usr/bin/python3 " RIGWIRE_SOURCE_DIR

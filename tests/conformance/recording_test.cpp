@@ -135,7 +135,7 @@ TEST_F(RecordedRig, ToolsReadWhatDevicesAndClientsSaid) {
   EXPECT_GT(lines(tshark("a", "-Y 'udp.length == 1214 && frame.interface_name == \"lidar\"'")),
             100U);
   EXPECT_THAT(printed(tshark("a", "-Y frame.comment -T fields -e frame.comment")),
-              HasSubstr("fault outage of gnss begins at 0.500000000 s"));
+              HasSubstr("fault outage of gnss begins at 0.500 s"));
 
   // The bus as python-can reads it: as many frames, and the client's own as its own.
   const std::string log = (folder("a") / "wires/can.log").string();

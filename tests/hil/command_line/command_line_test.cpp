@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -401,11 +402,58 @@ TEST(CommandLine, every_device_is_described) {
   EXPECT_EQ(rigwire("describe velodyne").code, 2);
 }
 
+TEST(CommandLine, described_page_is_a_file) {
+  const std::string text = rigwire("describe gige-stereo").output;
+  const std::string begin = "page      ";
+  const std::size_t from = text.find(begin) + begin.size();
+  const std::string page = text.substr(from, text.find('\n', from) - from);
+  EXPECT_TRUE(page.ends_with("docs/devices/gige-camera.md")) << page;
+  EXPECT_TRUE(std::filesystem::is_regular_file(page)) << page;
+}
+
+TEST(CommandLine, described_keys_name_one_type_and_large_limits_all_their_digits) {
+  const std::string text = rigwire("describe iso-valves").output;
+  EXPECT_THAT(text, HasSubstr("type: choice, default iso-valves"));
+  EXPECT_THAT(text, Not(HasSubstr("velodyne-vlp-16")));
+  EXPECT_THAT(text, Not(HasSubstr("3.21275e+08")));
+  EXPECT_THAT(rigwire("describe starfire-3000").output, HasSubstr("3600000000"));
+}
+
+TEST(CommandLine, help_of_a_verb_begins_with_the_program) {
+  EXPECT_THAT(rigwire("run --help").output, HasSubstr("Usage: rigwire run [OPTIONS] rig"));
+}
+
+TEST(CommandLine, an_address_beyond_loopback_is_refused_with_the_way_that_there_is) {
+  const Result run = rigwire("run excavator_pit --control 0.0.0.0:7001");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.output,
+              HasSubstr("--control: not an address of a control server, found \"0.0.0.0:7001\", "
+                        "allowed unix:FILE, or PORT of this host as 127.X.Y.Z:PORT (from another "
+                        "one: ssh -L)"));
+}
+
+TEST(CommandLine, plan_names_the_bus_and_counts_one_epoch) {
+  const std::string plan = rigwire("run excavator_pit --dry-run").output;
+  EXPECT_THAT(plan, HasSubstr("CAN bus can at 250000 bit/s"));
+  EXPECT_THAT(plan, Not(HasSubstr("can can")));
+  EXPECT_THAT(plan, HasSubstr(" 1 epoch/s"));
+}
+
+TEST(CommandLine, cylinder_beyond_its_pins_is_refused_by_its_key) {
+  const Result check = rigwire("check excavator_pit --set 'machine.excavator.boom_length=4 m'");
+  EXPECT_EQ(check.code, 2);
+  EXPECT_THAT(check.output,
+              HasSubstr("machine.excavator.stick_cylinder.length_max: not reachable with these "
+                        "pins, found "));
+  EXPECT_THAT(check.output, Not(HasSubstr("length_max_m")));
+}
+
 TEST(CommandLine, doctor_tells_state_and_fix) {
   const Result result = rigwire("doctor --json");
   EXPECT_THAT(result.code, testing::AnyOf(0, 3));
   for (const auto& finding : nlohmann::json::parse(result.output)) {
     EXPECT_EQ(finding["health"] == "good", finding["fix"] == "") << finding;
+    EXPECT_THAT(finding.dump(), Not(HasSubstr("@rigwire"))) << "no such group is made";
   }
 }
 

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "fields/check.h"
+#include "fields/units.h"
+#include "hil/control/commands.h"
 #include "sample_struct.h"
 
 namespace rigwire::hil {
@@ -116,7 +118,7 @@ TEST(Reader, unknown_type_is_one_finding_and_its_fields_are_not_judged) {
 
 TEST(Reader, missing_type_is_a_finding) {
   EXPECT_EQ(findings("gadgets:\n  l: {enabled: true}\n"),
-            "a.yaml:2:6: gadgets.l.type: missing key");
+            "a.yaml:2:6: gadgets.l.type: missing key (pump, lamp)");
 }
 
 TEST(Reader, field_of_another_type_is_an_unknown_key) {
@@ -144,9 +146,41 @@ TEST(Reader, vector_of_wrong_length_is_refused) {
 
 TEST(Reader, missing_file_names_the_path_tried_and_the_near_name) {
   EXPECT_EQ(findings("mesh: CMakeList.txt\n"),
-            "a.yaml:1:7: mesh: no such file: tried " RIGWIRE_SOURCE_DIR
-            "/CMakeList.txt, found \"CMakeList.txt\", did you mean " RIGWIRE_SOURCE_DIR
-            "/CMakeLists.txt?");
+            "a.yaml:1:7: mesh: no such file \"CMakeList.txt\", tried " RIGWIRE_SOURCE_DIR
+            "/CMakeList.txt, did you mean " RIGWIRE_SOURCE_DIR "/CMakeLists.txt?");
+}
+
+TEST(Reader, a_text_in_place_of_a_map_is_told_of_include) {
+  EXPECT_EQ(findings("main: excavator_ref18t\n"),
+            "a.yaml:1:7: main: wrong kind of value, found \"excavator_ref18t\", allowed a map of "
+            "keys, or of `include: FILE` for those of a file");
+}
+
+TEST(Reader, a_request_as_a_whole_has_no_line_and_column) {
+  Location place{std::make_shared<const std::string>("the request"), 1, 1, 0};
+  EXPECT_EQ(place.text(), "the request");
+  place.column = 9;
+  EXPECT_EQ(place.text(), "the request:1:9");
+  place.column = 1;
+  place.source = std::make_shared<const std::string>("rig.yaml");
+  EXPECT_EQ(place.text(), "rig.yaml:1:1");
+}
+
+TEST(Reader, a_missing_key_of_a_request_tells_its_form) {
+  FaultAddCommand command;
+  Problems problems;
+  const Value document = parse_request("on: tilt", "the request", problems);
+  Origins origins;
+  read(document, command, problems, origins);
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_THAT(problems.sorted()[0].line(),
+              testing::AllOf(testing::StartsWith("the request: fault: missing key (Its keys as in "
+                                                 "a rig's file"),
+                             testing::EndsWith(")")));
+}
+
+TEST(Reader, a_bare_number_among_the_units_is_not_called_1) {
+  EXPECT_EQ(fields::allowed_units(fields::Dimension::ratio), "a bare number, %, ppm");
 }
 
 TEST(Reader, date_that_does_not_exist_is_refused) {

@@ -169,6 +169,7 @@ TEST_F(DbcNodeFile, TheShippedOnesAreGood) {
     const DbcNodeDescription device =
         load_dbc_node(std::string(RIGWIRE_SOURCE_DIR "/configs/can/") + name + ".yaml");
     EXPECT_FALSE(device.settings.sent.empty()) << name;
+    EXPECT_THAT(markdown_table(device), HasSubstr("` | 0x")) << name << ": its identifiers";
     EXPECT_THAT(markdown_table(device), HasSubstr("| `")) << name;
   }
 }

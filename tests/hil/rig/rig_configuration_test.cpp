@@ -191,10 +191,10 @@ TEST(BadRig, negative_rate_and_not_a_number_are_out) {
 
 TEST(BadRig, missing_mesh_names_the_path_tried_and_the_near_name) {
   const std::string mesh = kConfigs + "/scenes/meshes/haul_trck.obj";
-  EXPECT_THAT(
-      complaints({"scene.objects.0.mesh=" + mesh}),
-      testing::AllOf(HasSubstr("scene.objects.0.mesh: no such file: tried " + mesh),
-                     HasSubstr("did you mean " + kConfigs + "/scenes/meshes/haul_truck.obj?")));
+  EXPECT_THAT(complaints({"scene.objects.0.mesh=" + mesh}),
+              testing::AllOf(
+                  HasSubstr("scene.objects.0.mesh: no such file \""), HasSubstr(", tried " + mesh),
+                  HasSubstr("did you mean " + kConfigs + "/scenes/meshes/haul_truck.obj?")));
 }
 
 TEST(BadRig, mount_on_a_link_that_is_not_there) {

@@ -39,16 +39,19 @@ TEST(ExcavatorParameters, MasslessLinksAndImpossibleInertiasAreRefused) {
 }
 
 TEST(ExcavatorParameters, CylindersThatTheirPinsCannotReachAreRefused) {
-  EXPECT_THAT(refusal([](auto& p) { p.boom_cylinder.length_max_m = 2.9; }),
-              HasSubstr("boom_cylinder.length_max_m: 2.9 m is not reachable"));
-  EXPECT_THAT(refusal([](auto& p) { p.stick_cylinder.length_min_m = 1.0; }),
-              HasSubstr("stick_cylinder.length_min_m: 1 m is not reachable"));
+  EXPECT_THAT(
+      refusal([](auto& p) { p.boom_cylinder.length_max_m = 2.9; }),
+      HasSubstr("boom_cylinder.length_max: not reachable with these pins, found 2.9 m, allowed "));
+  EXPECT_THAT(
+      refusal([](auto& p) { p.stick_cylinder.length_min_m = 1.0; }),
+      HasSubstr("stick_cylinder.length_min: not reachable with these pins, found 1 m, allowed "));
   // 2.289209 m is the dead centre itself.
-  EXPECT_THAT(refusal([](auto& p) { p.bucket_cylinder.length_max_m = 2.2892; }),
-              HasSubstr("bucket_cylinder.length_max_m: 2.2892 m is not reachable"));
+  EXPECT_THAT(
+      refusal([](auto& p) { p.bucket_cylinder.length_max_m = 2.2892; }),
+      HasSubstr("bucket_cylinder.length_max: not reachable with these pins, found 2.2892 m, "));
   EXPECT_EQ(refusal([](auto& p) { p.bucket_cylinder.length_max_m = 2.27; }), "accepted");
   EXPECT_THAT(refusal([](auto& p) { p.bucket_linkage.idler_length_m = 5.0; }),
-              HasSubstr("bucket_cylinder.length_min_m"));
+              HasSubstr("bucket_cylinder.length_min: "));
 }
 
 TEST(ExcavatorParameters, DrivesTooStiffForTheStepAreRefusedWithTheStepThatWouldDo) {

@@ -117,6 +117,14 @@ enum class FileKind {
   valve_map,  ///< YAML, which may include others, as the next.
   dbc_node,   ///< A binding, which names a DBC file.
   memory,     ///< What a device has saved: it need not be there, and a run may write it.
+  // Those stand for themselves as data do, and have a size of their own that is allowed.
+  calibration,  ///< Of a lidar, YAML.
+  dbc,          ///< Layouts of CAN frames.
+  height_map,   ///< GeoTIFF or PNG.
+  motion,       ///< Of a machine, MCAP or CSV.
+  replay,       ///< What was on a wire.
+  satellites,   ///< RINEX navigation file or almanac.
+  table,        ///< CSV.
 };
 
 inline constexpr std::size_t kNoChoice = std::numeric_limits<std::size_t>::max();

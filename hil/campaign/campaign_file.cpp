@@ -67,7 +67,7 @@ void visit(fields::Visitor& v, SteppedRange& p) {
 
 void visit(fields::Visitor& v, ValuesOfFile& p) {
   v.required("file");
-  v.file("file", p.file, fields::FileKind::data, "CSV file whose first line names its columns.");
+  v.file("file", p.file, fields::FileKind::table, "CSV file whose first line names its columns.");
   v.required("column");
   v.text("column", p.column, "Column that has the values.");
 }

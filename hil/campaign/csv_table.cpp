@@ -3,20 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
 
 namespace rigwire::hil {
-
-namespace {
-
-constexpr std::uintmax_t kMostBytes = 64u << 20;
-
-}  // namespace
 
 std::vector<std::string> CsvTable::column(const std::string& wanted) const {
   const auto found = std::ranges::find(columns, wanted);
@@ -85,14 +78,7 @@ CsvTable parse_csv(const std::string& text, const std::string& name) {
 }
 
 CsvTable read_csv(const std::filesystem::path& file) {
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-  std::ifstream stream(file, std::ios::binary);
-  if (error || !stream || bytes > kMostBytes) {
-    throw std::invalid_argument(fmt::format("{}: cannot be read, allowed a file of 64 MiB at most",
-                                            printable(file.string())));
-  }
-  return parse_csv({std::istreambuf_iterator<char>(stream), {}}, printable(file.string()));
+  return parse_csv(read_outside_file(file, kTableFile), printable(file.string()));
 }
 
 std::string csv_line(const std::vector<std::string>& fields) {

@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <sstream>
 #include <unordered_map>
 
 #include "hil/configuration/config_folders.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
 
@@ -262,6 +262,9 @@ struct Parser {
   Value convert_map(const YAML::Node& node, const std::string& path, int depth);
   void include(Value& map, const std::string& path);
   [[nodiscard]] std::vector<fs::path> places_of(const std::string& file) const;
+  /// Opens the first of the places that is there. False after reporting that none is, or that it is
+  /// refused.
+  bool open_include(const Value& file, const std::string& key, std::optional<OutsideFile>& opened);
   /// False after reporting: an include too many, too deep, or of itself.
   bool may_include(const Value& file, const std::string& canonical, const std::string& key);
   /// Escapes in quotes can spell what the file itself must not hold.
@@ -272,8 +275,10 @@ std::string child(const std::string& path, const std::string& key) {
   return path.empty() ? key : path + "." + key;
 }
 
-Value load_file(const std::string& file, const std::string& shown, Problems& problems,
-                std::vector<std::string> including, Extent& extent);
+/// Reads the document that is open and all that it includes. Throws FileRefused where its bytes
+/// cannot be read.
+Value load_opened(OutsideFile& file, Problems& problems, std::vector<std::string> including,
+                  Extent& extent);
 
 /// Line and column, from 1, of a byte of the text; columns count characters.
 Location place_of(std::string_view text, std::size_t offset,
@@ -429,6 +434,31 @@ std::vector<fs::path> Parser::places_of(const std::string& file) const {
   return places;
 }
 
+bool Parser::open_include(const Value& file, const std::string& key,
+                          std::optional<OutsideFile>& opened) {
+  if (const auto fault = find_fault(file.scalar, TextShape::one_line)) {
+    report(file.where, key, "the file's name has " + fault->found + ", which is " + fault->what);
+    return false;
+  }
+  const std::vector<fs::path> tried = places_of(file.scalar);
+  std::vector<std::string> names;
+  for (const fs::path& place : tried) {
+    try {
+      opened.emplace(place, kConfigurationFile);
+      return true;
+    } catch (const FileRefused& refused) {
+      if (!refused.missing()) {
+        report(file.where, key, refused.path_and_reason(), refused.found(), refused.allowed());
+        return false;
+      }
+    }
+    names.push_back(place.string());
+  }
+  problems.add({file.where, key, "no such file: tried " + join_words(names), file.description(), "",
+                nearest_file(tried.front().string())});
+  return false;
+}
+
 void Parser::include(Value& map, const std::string& path) {
   const auto it = std::find_if(map.entries.begin(), map.entries.end(),
                                [](const Value::Entry& entry) { return entry.key == "include"; });
@@ -464,23 +494,15 @@ void Parser::include(Value& map, const std::string& path) {
       report(file->where, key, "wrong kind of value", file->description(), "a file name");
       continue;
     }
-    const std::vector<fs::path> tried = places_of(file->scalar);
-    std::error_code error;
-    const auto found = std::ranges::find_if(
-        tried, [&](const fs::path& place) { return fs::is_regular_file(place, error); });
-    if (found == tried.end()) {
-      std::vector<std::string> names;
-      for (const fs::path& place : tried) {
-        names.push_back(place.string());
-      }
-      problems.add({file->where, key, "no such file: tried " + join_words(names),
-                    file->description(), "", nearest_file(tried.front().string())});
+    std::optional<OutsideFile> opened;
+    if (!open_include(*file, key, opened) ||
+        !may_include(*file, resolved_path(opened->path()), key)) {
       continue;
     }
-    const fs::path& full = *found;
-    const std::string canonical = fs::weakly_canonical(full, error).string();
-    if (may_include(*file, canonical, key)) {
-      overlay(base, load_file(full.string(), full.string(), problems, including, extent));
+    try {
+      overlay(base, load_opened(*opened, problems, including, extent));
+    } catch (const FileRefused& refused) {
+      report(file->where, key, refused.path_and_reason(), refused.found(), refused.allowed());
     }
   }
   Value over = std::move(map);
@@ -490,52 +512,38 @@ void Parser::include(Value& map, const std::string& path) {
   overlay(map, std::move(over));
 }
 
-Value load_file(const std::string& file, const std::string& shown, Problems& problems,
-                std::vector<std::string> including, Extent& extent) {
-  const Location whole_file{std::make_shared<const std::string>(shown), 0, 0};
-  const auto refuse = [&](const std::string& what) {
-    Problem problem;
-    problem.where = whole_file;
-    problem.what = what;
-    std::error_code ignored;
-    if (!fs::exists(file, ignored)) {
-      problem.suggestion = nearest_file(file);
-    }
-    problems.add(std::move(problem));
-    Value empty;
-    empty.kind = Value::Kind::map;
-    empty.where = whole_file;
-    return empty;
-  };
-  if (const auto fault = find_fault(shown, TextShape::one_line)) {
-    return refuse("the file's name has " + fault->found + ", which is " + fault->what);
-  }
-  std::error_code error;
-  if (!fs::exists(file, error)) {
-    return refuse("no such file");
-  }
-  if (!fs::is_regular_file(file, error)) {
-    return refuse("not a file");
-  }
-  if (fs::file_size(file, error) > kMaximumFileBytes) {
-    return refuse(fmt::format("larger than {} bytes", kMaximumFileBytes));
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    return refuse("cannot be read (permission?)");
-  }
-  std::ostringstream text;
-  text << stream.rdbuf();
-  including.push_back(fs::weakly_canonical(file, error).string());
-  return parse_text(text.str(), shown, fs::path(file).parent_path().string(), problems,
+Value load_opened(OutsideFile& file, Problems& problems, std::vector<std::string> including,
+                  Extent& extent) {
+  const std::string text = file.read_rest();
+  including.push_back(resolved_path(file.path()));
+  return parse_text(text, file.path().string(), file.path().parent_path().string(), problems,
                     std::move(including), extent);
 }
 
 }  // namespace
 
 Value load_document(const std::string& file, Problems& problems) {
-  Extent extent;
-  return load_file(file, file, problems, {}, extent);
+  Problem problem;
+  problem.where = Location{std::make_shared<const std::string>(file), 0, 0};
+  if (const auto fault = find_fault(file, TextShape::one_line)) {
+    problem.what = "the file's name has " + fault->found + ", which is " + fault->what;
+  } else {
+    try {
+      Extent extent;
+      OutsideFile opened(file, kConfigurationFile);
+      return load_opened(opened, problems, {}, extent);
+    } catch (const FileRefused& refused) {
+      problem.what = refused.missing() ? "no such file" : refused.reason();
+      problem.found = refused.found();
+      problem.allowed = refused.allowed();
+      problem.suggestion = refused.missing() ? nearest_file(file) : "";
+    }
+  }
+  Value empty;
+  empty.kind = Value::Kind::map;
+  empty.where = problem.where;
+  problems.add(std::move(problem));
+  return empty;
 }
 
 Value parse_document(const std::string& text, const std::string& name, const std::string& folder,

@@ -43,8 +43,8 @@ struct Value::Entry {
   Value value;
 };
 
-/// Bounds that keep a hostile or mistaken file from eating the machine.
-inline constexpr std::size_t kMaximumFileBytes = 16u << 20;
+/// Bounds that keep a hostile or mistaken file from eating the machine, beside those of its size
+/// (hil/configuration/outside_file.h).
 inline constexpr std::size_t kMaximumNodes = 1'000'000;  ///< With those of included files.
 inline constexpr std::size_t kMaximumBytes = 64u << 20;  ///< Of keys and values, likewise.
 inline constexpr int kMaximumDepth = 64;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include "fields/check.h"
 #include "fields/constants.h"
 #include "fields/units.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
 #include "sim/samples/time.h"
@@ -397,30 +399,33 @@ void Reader::texts(std::string_view key, std::vector<std::string>& values, std::
 
 void Reader::file(std::string_view key, std::string& value, fields::FileKind kind,
                   std::string_view text) {
-  if (kind == fields::FileKind::memory) {
-    this->text(key, value, text);
-    return;
-  }
   const Value* written = find_scalar(key, text);
-  if (written == nullptr) {
-    return;
-  }
-  if (!is_one_line(*written, path_of(key))) {
+  if (written == nullptr || !is_one_line(*written, path_of(key))) {
     return;
   }
   if (written->scalar.empty()) {
     value.clear();
     return;
   }
-  const fs::path full = (fs::path(written->folder) / written->scalar).lexically_normal();
-  std::error_code error;
-  if (!fs::is_regular_file(full, error)) {
-    report(*written, path_of(key),
-           fmt::format("no such file {}, tried {}", written->description(), full.string()), "", "",
-           nearest_file(full.string()));
-    return;
+  const bool is_memory = kind == fields::FileKind::memory;
+  const fs::path full = is_memory
+                            ? fs::path(written->scalar)
+                            : (fs::path(written->folder) / written->scalar).lexically_normal();
+  try {
+    // The reader of its content opens it again; what is refused here has the key's place.
+    const OutsideFile opened(full, limit_of(kind));
+    value = is_memory ? written->scalar : resolved_path(full);
+  } catch (const FileRefused& refused) {
+    if (is_memory && refused.error() == ENOENT) {
+      value = written->scalar;
+    } else if (refused.missing()) {
+      report(*written, path_of(key),
+             fmt::format("no such file {}, tried {}", written->description(), full.string()), "",
+             "", nearest_file(full.string()));
+    } else {
+      report(*written, path_of(key), refused.path_and_reason(), refused.found(), refused.allowed());
+    }
   }
-  value = fs::weakly_canonical(full, error).string();
 }
 
 void Reader::duration(std::string_view key, std::chrono::nanoseconds& value,

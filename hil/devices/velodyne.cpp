@@ -416,7 +416,7 @@ void VelodyneConfiguration::visit(fields::Visitor& v) {
     v.section("web", web, "The sensor's web interface.");
   }
   if (has_status_channel) {
-    v.file("calibration", calibration_file, fields::FileKind::data,
+    v.file("calibration", calibration_file, fields::FileKind::calibration,
            "File of the unit's calibration, YAML; empty = the nominal unit.");
   }
   v.text("time_source", time_source,
@@ -458,6 +458,13 @@ void VelodyneConfiguration::check(const std::string& at, RigCheck& check) const 
   if (web.port != 0) {
     check.address(at + ".web.address", web.address, allow_remote);
     claim_port(".web.port", "tcp " + web.address, web.port);
+  }
+  if (!calibration_file.empty()) {
+    try {
+      (void)load_lidar_calibration(calibration_file);
+    } catch (const std::runtime_error& error) {
+      check.report(at + ".calibration", error.what());
+    }
   }
   check.receiver(at + ".time_source", time_source,
                  {std::string(kAutomaticTimeSource), std::string(kIdealTimeSource),

@@ -7,8 +7,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -18,6 +16,7 @@
 #include "fields/units.h"
 #include "fields/visitor.h"
 #include "hil/configuration/document.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/reader.h"
 #include "hil/configuration/suggest.h"
 #include "protocols/dbc/dbc_reader.h"
@@ -147,15 +146,15 @@ class Binder {
 
   bool read_dbc() {
     dbc_name_ = std::make_shared<const std::string>(binding_.dbc);
-    std::ifstream stream(binding_.dbc, std::ios::binary);
-    std::string text(std::istreambuf_iterator<char>(stream), {});
-    if (!stream.good() && text.empty()) {
-      report("dbc", "cannot be read", "\"" + binding_.dbc + "\"", std::string("a DBC file"));
+    std::string text;
+    try {
+      text = read_outside_file(binding_.dbc, kDbcFile);
+    } catch (const FileRefused& refused) {
+      report("dbc", refused.path_and_reason(), refused.found(), refused.allowed());
       return false;
     }
-    if (text.size() > kMaximumFileBytes) {
-      report("dbc", "too large", fmt::format("{} bytes", text.size()),
-             fmt::format("<= {} bytes", kMaximumFileBytes));
+    if (text.empty()) {
+      report("dbc", "the file is empty", "\"" + binding_.dbc + "\"", std::string("a DBC file"));
       return false;
     }
     dbc::Reading reading = dbc::read(text);
@@ -682,7 +681,7 @@ void visit(fields::Visitor& v, DbcTakenMessageBinding& p) {
 void visit(fields::Visitor& v, DbcNodeBinding& p) {
   v.text("text", p.text, "What the device is.");
   v.required("dbc");
-  v.file("dbc", p.dbc, fields::FileKind::data, "The DBC file, relative to this one.");
+  v.file("dbc", p.dbc, fields::FileKind::dbc, "The DBC file, relative to this one.");
   v.text("node", p.node, "Its node in the DBC file: it sends what that one does; empty = none.");
   v.boolean("claims_address", p.claims_address, "It claims an address (SAE J1939-81).");
   v.integer("source_address", p.source_address, IntegerRule{0, 253}, "Preferred address.");

@@ -12,14 +12,14 @@ namespace rigwire::hil {
 ///
 /// | kind | what |
 /// | --- | --- |
-/// | data | its bytes |
+/// | data and all that are not named here | its bytes |
 /// | mesh | its bytes and those of every file that load_model() opens for it |
 /// | geoid | its bytes, of kEgm96File where no file is named |
-/// | valve_map, dbc_node | its values with those of what it includes, and the files that they name
-/// | | memory | its bytes; nothing where there is none |
+/// | valve_map, dbc_node | its values and those of what it includes, and the files that it names |
+/// | memory | its bytes; nothing where there is none |
 ///
 /// A file that cannot be read as its kind counts by its bytes, one that cannot be read at all by
-/// its name. Reads the files whole, meshes with their parser.
+/// its name. Reads files to their end, in pieces; meshes and YAML with their parsers.
 [[nodiscard]] std::string file_content(const std::string& path, fields::FileKind kind);
 
 }  // namespace rigwire::hil

@@ -4,14 +4,13 @@
 
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cstdint>
-#include <cstring>
-#include <fstream>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "hil/configuration/outside_file.h"
 
 namespace rigwire::hil {
 namespace {
@@ -40,12 +39,15 @@ std::size_t count(const char* bytes, const char* name) {
   return static_cast<std::size_t>(value);
 }
 
-std::shared_ptr<const sim::GeoidGrid> read(std::istream& stream, std::uintmax_t file_bytes,
+std::shared_ptr<const sim::GeoidGrid> read(OutsideFile& file,
                                            sim::GeoidInterpolation interpolation) {
+  const auto read_bytes = [&file](std::span<char> into) {
+    return file.read({reinterpret_cast<std::uint8_t*>(into.data()), into.size()}) == into.size();
+  };
   std::array<char, kHeaderBytes> header{};
-  if (!stream.read(header.data(), kHeaderBytes)) {
+  if (!read_bytes(header)) {
     throw std::invalid_argument(
-        fmt::format("it has {} bytes, a GTX header {}", file_bytes, kHeaderBytes));
+        fmt::format("it has {} bytes, a GTX header {}", file.size(), kHeaderBytes));
   }
   sim::GeoidGridLayout layout;
   layout.south_deg = real(&header[0]);
@@ -57,12 +59,12 @@ std::shared_ptr<const sim::GeoidGrid> read(std::istream& stream, std::uintmax_t 
   sim::validate(layout);
   const std::size_t points = layout.rows * layout.columns;
   const std::size_t needed = kHeaderBytes + points * sizeof(float);
-  if (file_bytes != needed) {
+  if (file.size() != needed) {
     throw std::invalid_argument(fmt::format("it has {} bytes, {} rows of {} heights need {}",
-                                            file_bytes, layout.rows, layout.columns, needed));
+                                            file.size(), layout.rows, layout.columns, needed));
   }
   std::vector<char> bytes(points * sizeof(float));
-  if (!stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) {
+  if (!read_bytes(bytes)) {
     throw std::invalid_argument("it cannot be read to its end");
   }
   std::vector<float> heights_m(points);
@@ -79,17 +81,12 @@ std::shared_ptr<const sim::GeoidGrid> load_geoid(const std::filesystem::path& fi
   const auto fail = [&file](const std::string& what) {
     throw std::invalid_argument(fmt::format("geoid file {}: {}", file.string(), what));
   };
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-  if (error) {
-    fail(error.message() + (file == kEgm96File ? "; install the package proj-data" : ""));
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    fail(std::strerror(errno));
-  }
   try {
-    return read(stream, bytes, interpolation);
+    OutsideFile opened(file, kGeoidFile);
+    return read(opened, interpolation);
+  } catch (const FileRefused& refused) {
+    fail(refused.rest() +
+         (refused.missing() && file == kEgm96File ? "; install the package proj-data" : ""));
   } catch (const std::invalid_argument& problem) {
     fail(problem.what());
   }

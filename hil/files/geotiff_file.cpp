@@ -1,6 +1,7 @@
 #include "hil/files/geotiff_file.h"
 
 #include <tiffio.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdarg>
@@ -12,6 +13,8 @@
 #include <memory>
 #include <span>
 #include <stdexcept>
+
+#include "hil/configuration/outside_file.h"
 
 namespace rigwire::hil {
 namespace {
@@ -51,8 +54,11 @@ class Tiff {
     const std::unique_ptr<TIFFOpenOptions, FreeOptions> options(TIFFOpenOptionsAlloc());
     TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_error, &error_);
     TIFFOpenOptionsSetWarningHandlerExtR(options.get(), ignore_warning, nullptr);
-    tiff_.reset(TIFFOpenExt(file.c_str(), "r", options.get()));
+    const int descriptor = open_raster(file);
+    // Not mapped into memory ("m"): a file that somebody cuts meanwhile would end the program.
+    tiff_.reset(TIFFFdOpenExt(descriptor, file.c_str(), "rm", options.get()));
     if (!tiff_) {
+      ::close(descriptor);
       refuse("cannot be read as TIFF");
     }
   }
@@ -84,6 +90,14 @@ class Tiff {
   [[nodiscard]] TIFF* get() const { return tiff_.get(); }
 
  private:
+  [[nodiscard]] int open_raster(const std::filesystem::path& file) const {
+    try {
+      return OutsideFile(file, kHeightMapFile).release();
+    } catch (const FileRefused& refused) {
+      refuse(refused.missing() ? "there is no such file" : refused.rest());
+    }
+  }
+
   std::string who_;
   std::string error_;
   std::unique_ptr<TIFF, CloseTiff> tiff_;
@@ -184,9 +198,6 @@ void read_keys(const Tiff& tiff, GeoRaster& raster) {
 }  // namespace
 
 GeoRaster read_geotiff(const std::filesystem::path& file, const std::string& who) {
-  if (!std::filesystem::is_regular_file(file)) {
-    throw std::invalid_argument(who + "there is no such file");
-  }
   const Tiff tiff(file, who);
   GeoRaster raster;
   const auto columns = tiff.field<std::uint32_t>(TIFFTAG_IMAGEWIDTH, 0);

@@ -6,9 +6,9 @@
 #include <array>
 #include <csetjmp>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
+
+#include "hil/configuration/outside_file.h"
 
 namespace rigwire::hil {
 namespace {
@@ -142,12 +142,14 @@ Image decode_png(std::span<const std::uint8_t> bytes, const std::string& who) {
 }
 
 Image read_png(const std::filesystem::path& file, const std::string& who) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!std::filesystem::is_regular_file(file) || !stream) {
-    throw std::invalid_argument(who + "there is no such file, or it cannot be read");
+  std::string content;
+  try {
+    content = read_outside_file(file, kImageFile);
+  } catch (const FileRefused& refused) {
+    throw std::invalid_argument(who +
+                                (refused.missing() ? "there is no such file" : refused.rest()));
   }
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
-  return decode_png(bytes, who);
+  return decode_png({reinterpret_cast<const std::uint8_t*>(content.data()), content.size()}, who);
 }
 
 std::vector<std::uint8_t> encode_png(const Image& image) {

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "hil/configuration/outside_file.h"
+
 namespace rigwire::hil {
 namespace {
 
@@ -142,9 +144,9 @@ Hdl64eCalibration load_lidar_calibration(const std::string& path) {
   const CalibrationReader reader{path};
   Hdl64eCalibration calibration;
   try {
-    calibration = reader.calibration(YAML::LoadFile(path));
-  } catch (const YAML::BadFile&) {
-    throw std::runtime_error(path + ": cannot be read");
+    calibration = reader.calibration(YAML::Load(read_outside_file(path, kCalibrationFile)));
+  } catch (const FileRefused& refused) {
+    throw std::runtime_error(refused.what());
   } catch (const YAML::Exception& error) {
     reader.refuse(error.mark, error.msg);
   }

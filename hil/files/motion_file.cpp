@@ -9,7 +9,7 @@ namespace rigwire::hil {
 
 void visit(fields::Visitor& v, MotionSettings& p) {
   static constexpr fields::DurationRule kSpan{0, 1'000'000'000'000'000};
-  v.file("file", p.file, fields::FileKind::data,
+  v.file("file", p.file, fields::FileKind::motion,
          "Recorded motion (truth.mcap of a recording, MCAP or CSV of poses) that the machine makes "
          "in place of its own; empty = none.");
   v.only_if(!p.file.empty(), "file", "a file: the machine moves itself", [&p](fields::Visitor& w) {

@@ -478,7 +478,7 @@ void visit(fields::Visitor& v, ReplaySourceSettings& p) {
   using fields::IntegerRule;
   constexpr fields::DurationRule kSpan{0, 1'000'000'000'000'000};
   v.required("file");
-  v.file("file", p.file, fields::FileKind::data,
+  v.file("file", p.file, fields::FileKind::replay,
          "Capture (pcap, pcapng), candump log, .bytes of a recording, or log of NMEA or UBX.");
   v.choice("direction", p.direction, kReplayedDirections, "Of captures that tell directions.");
   v.text("wire", p.wire, "Of a file with several: the interface's name; empty = the only one.");

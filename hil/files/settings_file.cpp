@@ -2,34 +2,23 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <memory>
 #include <stdexcept>
+#include <utility>
+
+#include "hil/configuration/outside_file.h"
 
 namespace rigwire::hil {
-namespace {
-
-constexpr std::size_t kGreatestBytes = 65536;
-
-}  // namespace
 
 SettingsFile::SettingsFile(std::string path) : path_(std::move(path)) {
-  errno = 0;
-  std::ifstream file(path_, std::ios::binary);
-  if (!file && errno == ENOENT) {
-    return;
-  }
-  content_.resize(kGreatestBytes + 1);
-  file.read(reinterpret_cast<char*>(content_.data()),
-            static_cast<std::streamsize>(content_.size()));
-  if (file.bad() || (!file && !file.eof())) {
-    throw std::runtime_error("settings file " + path_ + " cannot be read: " + std::strerror(errno));
-  }
-  content_.resize(static_cast<std::size_t>(file.gcount()));
-  if (content_.size() > kGreatestBytes) {
-    throw std::runtime_error("settings file " + path_ + " has more than " +
-                             std::to_string(kGreatestBytes) + " bytes");
+  try {
+    const std::string content = read_outside_file(path_, kSettingsFile);
+    content_.assign(content.begin(), content.end());
+  } catch (const FileRefused& refused) {
+    if (refused.error() != ENOENT) {
+      throw std::runtime_error(std::string("settings file ") + refused.what());
+    }
   }
 }
 

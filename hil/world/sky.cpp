@@ -2,10 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -14,6 +10,7 @@
 #include "emulators/gps_broadcast.h"
 #include "fields/check.h"
 #include "fields/visitor.h"
+#include "hil/configuration/outside_file.h"
 #include "protocols/rinex/navigation.h"
 #include "protocols/rinex/yuma.h"
 
@@ -33,7 +30,7 @@ constexpr std::array<fields::Choice<GnssSystem>, 6> kSatelliteSystems{
 }  // namespace
 
 void visit(fields::Visitor& v, SatellitesConfiguration& p) {
-  v.file("file", p.file, fields::FileKind::data,
+  v.file("file", p.file, fields::FileKind::satellites,
          "RINEX navigation file or YUMA almanac of GPS; empty = nominal slots.");
   v.only_if(p.file.empty(), "file", "no file, which holds GPS alone", [&p](fields::Visitor& keys) {
     keys.texts("systems", p.systems,
@@ -102,11 +99,11 @@ GpsUtcParameters utc_of(const Calendar& start) {
 }
 
 std::string content(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    throw std::invalid_argument("satellite file " + file.string() + ": " + std::strerror(errno));
+  try {
+    return read_outside_file(file, kSatellitesFile);
+  } catch (const FileRefused& refused) {
+    throw std::invalid_argument("satellite file " + file.string() + ": " + refused.rest());
   }
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 bool is_rinex(std::string_view text) {

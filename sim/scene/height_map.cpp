@@ -40,7 +40,7 @@ constexpr std::array<fields::Choice<HeightMapPlace>, 2> kHeightMapPlaces{
 
 void visit(fields::Visitor& v, HeightMapTerrain& p) {
   v.required("file");
-  v.file("file", p.file, fields::FileKind::data,
+  v.file("file", p.file, fields::FileKind::height_map,
          "PNG of 8 or 16 bit, or GeoTIFF; relative to this file.");
   v.choice("place", p.place, kHeightMapPlaces, "Where the map lies.");
   v.number("scale", p.scale, plain().between(-1e4, 1e4), "Metres for each unit of the file.");

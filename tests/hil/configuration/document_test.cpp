@@ -118,9 +118,10 @@ TEST_F(Files, missing_file_and_folder_in_place_of_a_file_are_told_apart) {
   Problems problems;
   (void)load_document((folder_ / "rgi.yaml").string(), problems);
   (void)load_document(folder_.string(), problems);
-  EXPECT_EQ(complaints(problems),
-            (folder_ / "rgi.yaml").string() + ": no such file, did you mean " +
-                (folder_ / "rig.yaml").string() + "?\n" + folder_.string() + ": not a file");
+  EXPECT_EQ(complaints(problems), (folder_ / "rgi.yaml").string() +
+                                      ": no such file, did you mean " +
+                                      (folder_ / "rig.yaml").string() + "?\n" + folder_.string() +
+                                      ": not a regular file, found a directory");
 }
 
 TEST(Document, duplicate_key_names_both_lines) {

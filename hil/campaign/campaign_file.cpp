@@ -14,6 +14,7 @@
 #include "hil/campaign/spread.h"
 #include "hil/configuration/document.h"
 #include "hil/configuration/outline.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/reader.h"
 #include "hil/executive/clock.h"
@@ -236,7 +237,7 @@ LoadedCampaign load_campaign(const std::filesystem::path& file) {
     read(document, loaded.campaign, problems, loaded.origins);
   }
   problems.throw_if_any();
-  loaded.file = std::filesystem::canonical(file);
+  loaded.file = resolved_path(file);
   loaded.hash = hash_text(outline(loaded.campaign), file_content);
   return loaded;
 }

@@ -8,12 +8,12 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "drivers/endpoints.h"
 #include "hil/campaign/csv_table.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/record/output_file.h"
 
@@ -43,6 +43,12 @@ void flush_to_disk(const fs::path& path) {
   if (result != 0) {
     fail(path);
   }
+}
+
+[[noreturn]] void refuse_folder(const fs::path& folder) {
+  throw std::invalid_argument(printable(folder.string()) +
+                              ": no campaign's folder, allowed one that `rigwire campaign expand "
+                              "-o` or `run -o` made");
 }
 
 }  // namespace
@@ -96,21 +102,22 @@ void prepare_folder(const fs::path& folder, const LoadedCampaign& campaign,
 
 bool has_plan(const fs::path& folder) {
   std::error_code error;
-  return fs::exists(folder / "plan.json", error);
+  return fs::exists(fs::symlink_status(folder / "plan.json", error));
 }
 
 CampaignPlan read_plan(const fs::path& folder) {
-  std::ifstream stream(folder / "plan.json");
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
   try {
-    const Json plan = Json::parse(text);
+    const Json plan = Json::parse(read_outside_file(folder / "plan.json", kResultFile));
     return {plan.at("name"),       plan.at("campaign").get<std::string>(),
             plan.at("identity"),   plan.at("runs"),
             plan.at("parameters"), plan.at("criteria")};
+  } catch (const FileRefused& refused) {
+    if (!refused.missing()) {
+      throw;
+    }
+    refuse_folder(folder);
   } catch (const nlohmann::json::exception&) {
-    throw std::invalid_argument(printable(folder.string()) +
-                                ": no campaign's folder, allowed one that `rigwire campaign expand "
-                                "-o` or `run -o` made");
+    refuse_folder(folder);
   }
 }
 

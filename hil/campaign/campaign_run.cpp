@@ -16,8 +16,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -32,10 +30,12 @@
 #include "hil/campaign/judge.h"
 #include "hil/configuration/build_facts.h"
 #include "hil/configuration/outline.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/control/control_client.h"
 #include "hil/control/ready.h"
 #include "hil/control/run.h"
+#include "hil/files/private_folder.h"
 #include "hil/record/output_file.h"
 #include "hil/rig/rig_configuration.h"
 
@@ -117,9 +117,13 @@ class WireFolder {
   fs::path folder_;
 };
 
+/// Empty where it cannot be read.
 std::string content_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  try {
+    return read_outside_file(file, kResultFile);
+  } catch (const FileRefused&) {
+    return "";
+  }
 }
 
 std::string last_line(const fs::path& file) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <system_error>
 
 #include "hil/campaign/campaign_report.h"
 #include "hil/campaign/campaign_run.h"
@@ -36,13 +37,15 @@ int refuse(Terminal terminal, const std::string& what) {
 /// A file beside the campaign's, else as `rigwire run` finds it.
 std::string rig_of(const LoadedCampaign& campaign) {
   const fs::path beside = campaign.file.parent_path() / campaign.campaign.rig;
-  return fs::is_regular_file(beside) ? beside.lexically_normal().string()
-                                     : find_rig(campaign.campaign.rig);
+  std::error_code error;
+  return fs::exists(fs::symlink_status(beside, error)) ? beside.lexically_normal().string()
+                                                       : find_rig(campaign.campaign.rig);
 }
 
 /// A file by its path, or by its name in the folders of configurations.
 std::string find_campaign(const std::string& campaign) {
-  if (!fs::exists(campaign)) {
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(campaign, error))) {
     for (const ConfigFile& file : config_files("campaigns")) {
       if (file.name == campaign || file.name + ".yaml" == campaign) {
         return file.path;

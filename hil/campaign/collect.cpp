@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -17,6 +15,7 @@
 #include "drivers/endpoints.h"
 #include "fields/units.h"
 #include "hil/campaign/csv_table.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/record/output_file.h"
 
@@ -91,16 +90,16 @@ void look_at(CampaignRow& row, const fs::path& folder) {
     return;
   }
   row.outcome = Outcome::unfinished;
-  std::ifstream stream(folder / "result.json", std::ios::binary);
-  if (!stream) {
-    return;
-  }
   try {
     const PlainJson result =
-        PlainJson::parse(std::string{std::istreambuf_iterator<char>(stream), {}});
+        PlainJson::parse(read_outside_file(folder / "result.json", kResultFile));
     fill(row, result);
     if (row.outcome != Outcome::crashed && !is_done(folder)) {
       row.outcome = Outcome::unfinished;
+    }
+  } catch (const FileRefused& refused) {
+    if (!refused.missing()) {
+      make_unreadable(row, ": " + refused.rest());
     }
   } catch (const PlainJson::exception&) {
     make_unreadable(row, "");

@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "hil/campaign/bound.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
 #include "hil/record/number_paths.h"
@@ -356,16 +357,19 @@ Judgement judge(const Campaign& campaign, const RunEvidence& evidence) {
     watches[name] = std::visit(MakeWatch{name, evidence.quantities}, criterion.test);
   }
   Judgement judgement;
-  std::ifstream truth(evidence.truth);
-  if (!truth) {
-    throw std::runtime_error("the run left no truth");
+  std::optional<LineReader> truth;
+  try {
+    truth.emplace(evidence.truth, kRecordingFile);
+  } catch (const FileRefused& refused) {
+    throw std::runtime_error(refused.missing() ? "the run left no truth"
+                                               : "the truth: " + refused.rest());
   }
   Moment moment{};
   std::optional<Json> before;
   std::array<double, 3> last{};
   std::size_t stride = 1;
   std::size_t records = 0;
-  for (std::string line; std::getline(truth, line); ++records) {
+  for (std::string line; truth->next(line); ++records) {
     const Json record = Json::parse(line, nullptr, false);
     if (record.is_discarded()) {
       throw std::runtime_error(

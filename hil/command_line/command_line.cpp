@@ -631,6 +631,10 @@ int parse_and_dispatch(const std::vector<std::string>& arguments, const Companio
   } catch (const std::invalid_argument& error) {
     terminal.err << "rigwire: " << error.what() << "\n";
     return static_cast<int>(ExitCode::usage);
+  } catch (const std::filesystem::filesystem_error& error) {
+    terminal.err << fmt::format("rigwire: {}: {}\n", error.path1().string(),
+                                error.code().message());
+    return static_cast<int>(ExitCode::environment);
   } catch (const std::exception& error) {
     terminal.err << "rigwire: "
                  << fields::failure_text(

@@ -57,7 +57,8 @@ std::string text_of(const ConfigFile& file) {
 
 std::string find_rig(const std::string& rig) {
   std::error_code error;
-  if (fs::exists(rig, error)) {
+  // A link that leads nowhere is there, and is named by whoever opens it.
+  if (fs::exists(fs::symlink_status(rig, error))) {
     return rig;
   }
   std::vector<std::string> names;

@@ -24,6 +24,7 @@
 #include "conform/velodyne/velodyne_suite.h"
 #include "drivers/endpoints.h"
 #include "fields/visitor.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/conformance/profile_file.h"
 #include "hil/conformance/read_structure.h"
 #include "hil/conformance/rig_process.h"
@@ -466,12 +467,13 @@ std::vector<std::string> surprises(const SuiteResult& result, const std::string&
 }
 
 SuiteResult read_result(const std::string& file) {
-  std::ifstream stream(file);
-  if (!stream) {
-    refuse("--beside", file, "a file of --json");
-  }
   try {
-    return conform::from_json(nlohmann::json::parse(stream));
+    return conform::from_json(nlohmann::json::parse(read_outside_file(file, kResultFile)));
+  } catch (const FileRefused& refused) {
+    if (refused.missing()) {
+      refuse("--beside", file, "a file of --json");
+    }
+    throw std::invalid_argument(std::string("--beside: ") + refused.what());
   } catch (const std::exception& wrong) {
     throw std::invalid_argument("--beside: " + file + ": no result of --json: " + wrong.what());
   }

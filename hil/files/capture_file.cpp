@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cerrno>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -23,17 +21,18 @@ bool begins_as_pcapng(std::span<const std::uint8_t> bytes) {
          std::equal(kSection.begin(), kSection.end(), bytes.begin());
 }
 
+OutsideFile open_capture(const std::filesystem::path& path, FileLimit limit) {
+  try {
+    return {path, limit};
+  } catch (const FileRefused& refused) {
+    throw drivers::EndpointError(fmt::format("the capture {}", refused.what()));
+  }
+}
+
 }  // namespace
 
-CaptureFile::CaptureFile(std::filesystem::path path) : path_(std::move(path)) {
-  errno = 0;
-  std::error_code error;
-  file_.open(path_, std::ios::binary);
-  if (!file_ || std::filesystem::is_directory(path_, error)) {
-    throw drivers::EndpointError(
-        fmt::format("the capture {}: {}", path_.string(),
-                    errno == 0 ? "no file" : std::generic_category().message(errno)));
-  }
+CaptureFile::CaptureFile(const std::filesystem::path& path, FileLimit limit)
+    : file_(open_capture(path, limit)) {
   (void)read_more();
   if (pcapng::PcapReader::begins(bytes_)) {
     const auto head = pcap_.emplace().head(bytes_);
@@ -46,15 +45,19 @@ CaptureFile::CaptureFile(std::filesystem::path path) : path_(std::move(path)) {
   } else if (!begins_as_pcapng(bytes_)) {
     throw std::invalid_argument(
         fmt::format("the capture {}: neither pcap nor pcapng, found {} bytes that begin otherwise",
-                    path_.string(), bytes_.empty() ? "no" : "some"));
+                    file_.path().string(), bytes_.empty() ? "no" : "some"));
   }
 }
 
 bool CaptureFile::is_one(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<std::uint8_t, 4> begin{};
-  file.read(reinterpret_cast<char*>(begin.data()), begin.size());
-  return file && (begins_as_pcapng(begin) || pcapng::PcapReader::begins(begin));
+  try {
+    OutsideFile file(path, kRecordingFile);
+    std::array<std::uint8_t, 4> begin{};
+    return file.read(begin) == begin.size() &&
+           (begins_as_pcapng(begin) || pcapng::PcapReader::begins(begin));
+  } catch (const FileRefused&) {
+    return false;
+  }
 }
 
 bool CaptureFile::read_more() {
@@ -63,13 +66,12 @@ bool CaptureFile::read_more() {
   offset_ += std::exchange(at_, 0);
   const std::size_t had = bytes_.size();
   bytes_.resize(had + kPiece);
-  file_.read(reinterpret_cast<char*>(bytes_.data()) + had, kPiece);
-  bytes_.resize(had + static_cast<std::size_t>(file_.gcount()));
+  bytes_.resize(had + file_.read(std::span(bytes_).subspan(had)));
   return bytes_.size() > had;
 }
 
 void CaptureFile::refuse(const protocols::Malformed& fault) const {
-  throw std::invalid_argument(fmt::format("the capture {}: {} at byte {}", path_.string(),
+  throw std::invalid_argument(fmt::format("the capture {}: {} at byte {}", file_.path().string(),
                                           fault.reason, offset_ + at_ + fault.offset));
 }
 

@@ -4,11 +4,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "hil/configuration/outside_file.h"
 #include "protocols/pcapng/pcap.h"
 #include "protocols/pcapng/pcapng.h"
 
@@ -22,8 +22,8 @@ struct CapturedPacket {
 class CaptureFile {
  public:
   /// Throws drivers::EndpointError where the file cannot be read, std::invalid_argument where it is
-  /// no capture.
-  explicit CaptureFile(std::filesystem::path path);
+  /// no capture. `limit`: of the file's size.
+  explicit CaptureFile(const std::filesystem::path& path, FileLimit limit = kReplayFile);
 
   /// Whether a file begins as a capture. False: it cannot be read, too.
   [[nodiscard]] static bool is_one(const std::filesystem::path& path);
@@ -38,7 +38,7 @@ class CaptureFile {
   [[nodiscard]] const std::string& application() const { return application_; }
   /// Packets so far that were passed over, since their blocks have no time.
   [[nodiscard]] std::uint64_t without_time() const { return without_time_; }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] const std::filesystem::path& path() const { return file_.path(); }
 
  private:
   /// More of the file behind what is left of it; false: there is no more.
@@ -46,8 +46,7 @@ class CaptureFile {
   void pass_over(const protocols::pcapng::Block& block);
   [[noreturn]] void refuse(const protocols::Malformed& fault) const;
 
-  std::filesystem::path path_;
-  std::ifstream file_;
+  OutsideFile file_;
   std::vector<std::uint8_t> bytes_;
   std::size_t at_ = 0;        ///< Taken of `bytes_`.
   std::uint64_t offset_ = 0;  ///< Of `bytes_` in the file.

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cerrno>
-#include <fstream>
+#include <optional>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -17,14 +15,14 @@ namespace rigwire::hil {
 namespace fs = std::filesystem;
 namespace mcap = protocols::mcap;
 
-void read_pieces(const fs::path& path,
+void read_pieces(const fs::path& path, FileLimit limit,
                  const std::function<std::size_t(std::span<const std::uint8_t>)>& take) {
   constexpr std::size_t kPiece = 1024 * 1024;
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw drivers::EndpointError(
-        fmt::format("{}: {}", path.string(), std::generic_category().message(errno)));
+  std::optional<OutsideFile> opened;
+  try {
+    opened.emplace(path, limit);
+  } catch (const FileRefused& refused) {
+    throw drivers::EndpointError(refused.what());
   }
   std::vector<std::uint8_t> bytes;
   std::size_t at = 0;
@@ -37,16 +35,20 @@ void read_pieces(const fs::path& path,
     }
     bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::exchange(at, 0)));
     const std::size_t had = bytes.size();
+    if (had > kMaxUnitBytes) {
+      throw FileRefused(path, 0, "a record is too large", fmt::format("more than {} bytes", had),
+                        "at most " + size_text(kMaxUnitBytes));
+    }
     bytes.resize(had + kPiece);
-    file.read(reinterpret_cast<char*>(bytes.data()) + had, kPiece);
-    bytes.resize(had + static_cast<std::size_t>(file.gcount()));
+    bytes.resize(had + opened->read(std::span(bytes).subspan(had)));
     if (bytes.size() == had) {
       return;
     }
   }
 }
 
-void each_mcap_record(const fs::path& path, const std::function<void(const mcap::Record&)>& use) {
+void each_mcap_record(const fs::path& path, FileLimit limit,
+                      const std::function<void(const mcap::Record&)>& use) {
   bool begun = false;
   std::uint64_t read = 0;
   const auto refuse = [&](const std::string& why) {
@@ -57,7 +59,7 @@ void each_mcap_record(const fs::path& path, const std::function<void(const mcap:
       refuse(fmt::format("{} after byte {}", decoded.fault().reason, read));
     }
   };
-  read_pieces(path, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
+  read_pieces(path, limit, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
     if (!begun) {
       if (bytes.size() < mcap::kMagicSize) {
         return 0;
@@ -98,11 +100,13 @@ void each_mcap_record(const fs::path& path, const std::function<void(const mcap:
 }
 
 bool is_mcap(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, mcap::kMagicSize> front{};
-  file.read(front.data(), front.size());
-  return file.good() && mcap::begins_with_magic(
-                            {reinterpret_cast<const std::uint8_t*>(front.data()), front.size()});
+  try {
+    OutsideFile file(path, kRecordingFile);
+    std::array<std::uint8_t, mcap::kMagicSize> front{};
+    return file.read(front) == front.size() && mcap::begins_with_magic(front);
+  } catch (const FileRefused&) {
+    return false;
+  }
 }
 
 }  // namespace rigwire::hil

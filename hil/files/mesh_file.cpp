@@ -4,15 +4,18 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <assimp/BaseImporter.h>
+#include <assimp/DefaultIOStream.h>
 #include <assimp/DefaultIOSystem.h>
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <cmath>
-#include <fstream>
+#include <cstdio>
+#include <cstring>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -22,6 +25,7 @@
 #include <string_view>
 #include <utility>
 
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/files/image_file.h"
 #include "hil/files/ply_file.h"
@@ -41,20 +45,51 @@ Eigen::Vector3f ours(const aiVector3D& p, bool gltf) {
   return gltf ? Eigen::Vector3f(p.z, p.x, p.y) : Eigen::Vector3f(p.x, p.y, p.z);
 }
 
-/// Remembers what assimp opens.
+/// A file that is open, for assimp. Its size is that of the open file, not of what has its name.
+class OpenedStream final : public Assimp::DefaultIOStream {
+ public:
+  OpenedStream(std::FILE* file, const std::string& name, std::uint64_t size)
+      : DefaultIOStream(file, name), size_(static_cast<std::size_t>(size)) {}
+  [[nodiscard]] std::size_t FileSize() const override { return size_; }
+
+ private:
+  std::size_t size_;
+};
+
+/// Opens what assimp asks for, and remembers it.
 class OpenedFiles final : public Assimp::DefaultIOSystem {
  public:
-  explicit OpenedFiles(std::vector<std::string>& names) : names_(names) {}
+  /// `refusal`: set where a file is there and is not opened. Both must outlive the object.
+  OpenedFiles(std::vector<std::string>& names, std::string& refusal)
+      : names_(names), refusal_(refusal) {}
   Assimp::IOStream* Open(const char* file, const char* mode) override {
-    Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
-    if (stream != nullptr && std::ranges::find(names_, file) == names_.end()) {
-      names_.emplace_back(file);
+    if (std::strchr(mode, 'r') == nullptr) {
+      return nullptr;
     }
-    return stream;
+    try {
+      OutsideFile opened(file, kMeshFile);
+      const std::uint64_t size = opened.size();
+      const int descriptor = opened.release();
+      std::FILE* const stream = ::fdopen(descriptor, "rb");
+      if (stream == nullptr) {
+        ::close(descriptor);
+        return nullptr;
+      }
+      if (std::ranges::find(names_, file) == names_.end()) {
+        names_.emplace_back(file);
+      }
+      return new OpenedStream(stream, file, size);  // the importer's from here on
+    } catch (const FileRefused& refused) {
+      if (!refused.missing() && refusal_.empty()) {
+        refusal_ = refused.what();
+      }
+      return nullptr;
+    }
   }
 
  private:
   std::vector<std::string>& names_;
+  std::string& refusal_;
 };
 
 constexpr std::array<std::string_view, 5> kExtensions{".gltf", ".glb", ".obj", ".stl", ".ply"};
@@ -66,9 +101,7 @@ class File {
  public:
   File(const std::filesystem::path& file, const std::string& name, Wanted wanted)
       : path_(file), who_("mesh '" + name + "', file '" + file.string() + "': ") {
-    if (!std::filesystem::is_regular_file(file)) {
-      throw std::invalid_argument(who_ + "there is no such file");
-    }
+    require_file(file);
     const std::string extension = lower_case(file.extension().string());
     if (std::ranges::find(kExtensions, extension) == kExtensions.end()) {
       throw std::invalid_argument(
@@ -77,16 +110,16 @@ class File {
     }
     files_.push_back(file.string());
     if (extension == ".ply") {
-      const std::string content = read(path_);
+      const std::string content = read(path_, kMeshFile);
       plain_ =
           read_ply({reinterpret_cast<const std::uint8_t*>(content.data()), content.size()}, who_);
       return;
     }
     keep_own_formats();
-    importer_.SetIOHandler(new OpenedFiles(files_));  // the importer's from here on
+    importer_.SetIOHandler(new OpenedFiles(files_, refusal_));  // the importer's from here on
     gltf_ = extension == ".gltf" || extension == ".glb";
     if (extension == ".obj") {
-      scanned_ = scan_wavefront_mesh(read(path_), path_.string());
+      scanned_ = scan_wavefront_mesh(read(path_, kMeshFile), path_.string());
       if (wanted == Wanted::surfaces) {
         read_libraries();
       }
@@ -96,6 +129,9 @@ class File {
     scene_ = importer_.ReadFile(file.string(),
                                 aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
                                     aiProcess_PreTransformVertices | aiProcess_SortByPType);
+    if (!refusal_.empty()) {
+      throw std::invalid_argument(who_ + refusal_);
+    }
     if (scene_ == nullptr) {
       throw std::invalid_argument(who_ + importer_.GetErrorString());
     }
@@ -262,9 +298,21 @@ class File {
     }
   }
 
-  static std::string read(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
+  void require_file(const std::filesystem::path& file) const {
+    try {
+      const OutsideFile opened(file, kMeshFile);
+    } catch (const FileRefused& refused) {
+      throw std::invalid_argument(who_ +
+                                  (refused.missing() ? "there is no such file" : refused.rest()));
+    }
+  }
+
+  [[nodiscard]] std::string read(const std::filesystem::path& file, FileLimit limit) const {
+    try {
+      return read_outside_file(file, limit);
+    } catch (const FileRefused& refused) {
+      throw std::invalid_argument(who_ + refused.rest());
+    }
   }
 
   void read_libraries() {
@@ -272,12 +320,17 @@ class File {
       std::string name = library.name;
       std::ranges::replace(name, '\\', '/');
       const std::filesystem::path file = path_.parent_path() / name;
-      if (!std::filesystem::is_regular_file(file)) {
+      std::string content;
+      try {
+        content = read_outside_file(file, kMaterialFile);
+      } catch (const FileRefused& refused) {
         throw std::invalid_argument(
-            fmt::format("{}:{}: mtllib: found '{}', but there is no file {}", path_.string(),
-                        library.line, library.name, file.string()));
+            refused.missing()
+                ? fmt::format("{}:{}: mtllib: found '{}', but there is no file {}", path_.string(),
+                              library.line, library.name, file.string())
+                : fmt::format("{}:{}: mtllib: {}", path_.string(), library.line, refused.what()));
       }
-      libraries_.push_back({file, read_wavefront_materials(read(file), file.string(), notes_)});
+      libraries_.push_back({file, read_wavefront_materials(content, file.string(), notes_)});
     }
   }
 
@@ -410,6 +463,7 @@ class File {
   std::string who_;
   bool gltf_ = false;
   std::vector<std::string> files_;
+  std::string refusal_;  ///< Of a file that assimp asked for; empty: none.
   std::vector<std::string> notes_;
   WavefrontMesh scanned_;  ///< Of an OBJ file.
   std::vector<Library> libraries_;

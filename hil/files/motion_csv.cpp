@@ -30,16 +30,23 @@ class CsvMotion {
 
   void read() {
     std::string rest;
-    read_pieces(settings_.file, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
-      const auto end = std::ranges::find(bytes, static_cast<std::uint8_t>('\n'));
-      const auto length = static_cast<std::size_t>(end - bytes.begin());
-      rest.assign(reinterpret_cast<const char*>(bytes.data()), length);
-      if (end == bytes.end()) {
-        return 0;
-      }
-      take_line(std::exchange(rest, {}));
-      return length + 1;
-    });
+    read_pieces(
+        settings_.file, kMotionFile, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
+          const auto end = std::ranges::find(bytes, static_cast<std::uint8_t>('\n'));
+          const auto length = static_cast<std::size_t>(end - bytes.begin());
+          if (length > kMaxLineBytes) {
+            refuse_motion(
+                settings_.file,
+                fmt::format("line {}: too long, found more than {} bytes, allowed at most {}",
+                            number_ + 1, kMaxLineBytes, size_text(kMaxLineBytes)));
+          }
+          rest.assign(reinterpret_cast<const char*>(bytes.data()), length);
+          if (end == bytes.end()) {
+            return 0;
+          }
+          take_line(std::exchange(rest, {}));
+          return length + 1;
+        });
     if (!rest.empty()) {
       take_line(rest);
     }

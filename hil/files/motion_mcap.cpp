@@ -27,7 +27,8 @@ class McapMotion {
       : settings_(settings), contents_(contents) {}
 
   void read() {
-    each_mcap_record(settings_.file, [&](const mcap::Record& record) { take(record); });
+    each_mcap_record(settings_.file, kMotionFile,
+                     [&](const mcap::Record& record) { take(record); });
   }
 
  private:

@@ -4,17 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "fields/constants.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
 #include "hil/files/capture_file.h"
@@ -30,16 +28,14 @@ namespace fs = std::filesystem;
 namespace gnss_stream = protocols::gnss_stream;
 namespace pcapng = protocols::pcapng;
 
-std::ifstream open_file(const fs::path& path) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::error_code error;
-  if (!file || fs::is_directory(path, error)) {
-    throw drivers::EndpointError(
-        fmt::format("source.file: {}: {}", path.string(),
-                    errno == 0 ? "a folder" : std::generic_category().message(errno)));
+/// An OutsideFile or LineReader of the file.
+template <class File>
+File open_replayed(const fs::path& path, FileLimit limit) {
+  try {
+    return File(path, limit);
+  } catch (const FileRefused& refused) {
+    throw drivers::EndpointError(fmt::format("source.file: {}", refused.what()));
   }
-  return file;
 }
 
 /// "1780300800.201000" in nanoseconds.
@@ -206,12 +202,12 @@ class CaptureReader final : public ReplayReader {
 class CandumpReader final : public ReplayReader {
  public:
   explicit CandumpReader(const ReplaySourceSettings& settings)
-      : settings_(settings), file_(open_file(settings.file)) {}
+      : settings_(settings), file_(open_replayed<LineReader>(settings.file, kReplayFile)) {}
 
   bool next(std::int64_t& at_ns, ReplayedUnit& unit) override {
-    for (std::string line; std::getline(file_, line);) {
+    for (std::string line; file_.next(line);) {
       ++number_;
-      const bool whole = !file_.eof();
+      const bool whole = file_.whole();
       if (!line.empty() && line.back() == '\r') {
         line.pop_back();
       }
@@ -281,7 +277,7 @@ class CandumpReader final : public ReplayReader {
   }
 
   const ReplaySourceSettings settings_;
-  std::ifstream file_;
+  LineReader file_;
   std::set<std::string> names_;  ///< Of interfaces that were passed over.
   std::string bus_;              ///< The one that is played.
   std::size_t number_ = 0;
@@ -292,11 +288,13 @@ class CandumpReader final : public ReplayReader {
 class IndexedReader final : public ReplayReader {
  public:
   IndexedReader(const ReplaySourceSettings& settings, const fs::path& index)
-      : index_(open_file(index)), bytes_(open_file(settings.file)), index_path_(index) {}
+      : index_(open_replayed<LineReader>(index, kReplayFile)),
+        bytes_(open_replayed<OutsideFile>(settings.file, kReplayFile)),
+        index_path_(index) {}
 
   bool next(std::int64_t& at_ns, ReplayedUnit& unit) override {
     constexpr std::size_t kLongest = 16 * 1024 * 1024;
-    for (std::string line; std::getline(index_, line);) {
+    for (std::string line; index_.next(line);) {
       ++number_;
       if (line.empty() || line.front() == '#' || line.find(" < ") != std::string::npos) {
         continue;
@@ -312,7 +310,7 @@ class IndexedReader final : public ReplayReader {
                             : std::from_chars_result{end, std::errc::invalid_argument};
       if (!at || first.ptr == end || std::from_chars(first.ptr + 1, end, length).ptr != end ||
           length > kLongest) {
-        if (index_.eof()) {
+        if (!index_.whole()) {
           truncated_ = true;
           return false;
         }
@@ -320,10 +318,8 @@ class IndexedReader final : public ReplayReader {
                         fmt::format("line {}: allowed SECONDS > OFFSET LENGTH", number_));
       }
       unit.bytes.resize(length);
-      bytes_.clear();
-      bytes_.seekg(static_cast<std::streamoff>(offset));
-      bytes_.read(reinterpret_cast<char*>(unit.bytes.data()), static_cast<std::streamsize>(length));
-      if (static_cast<std::size_t>(bytes_.gcount()) != length) {
+      bytes_.seek(offset);
+      if (bytes_.read(unit.bytes) != length) {
         truncated_ = true;
         return false;
       }
@@ -336,8 +332,8 @@ class IndexedReader final : public ReplayReader {
   [[nodiscard]] bool truncated() const override { return truncated_; }
 
  private:
-  std::ifstream index_;
-  std::ifstream bytes_;
+  LineReader index_;
+  OutsideFile bytes_;
   fs::path index_path_;
   std::size_t number_ = 0;
   bool truncated_ = false;
@@ -349,8 +345,10 @@ class LogReader final : public ReplayReader {
  public:
   explicit LogReader(const ReplaySourceSettings& settings)
       : byte_ns_(10 * kSecond_ns / settings.baud) {
-    std::ifstream file = open_file(settings.file);
-    bytes_.assign(std::istreambuf_iterator<char>(file), {});
+    {
+      const std::string content = open_replayed<OutsideFile>(settings.file, kLogFile).read_rest();
+      bytes_.assign(content.begin(), content.end());
+    }
     gnss_stream::LeapSeconds leap_seconds;
     gnss_stream::Splitter splitter;
     const auto add = [&](std::span<const std::uint8_t> bytes,
@@ -456,19 +454,19 @@ void refuse_replayed(const std::string& file, const std::string& why) {
 }
 
 std::unique_ptr<ReplayReader> open_replay_reader(const ReplaySourceSettings& settings) {
-  std::ifstream file = open_file(settings.file);
-  const int first = file.get();
-  if (first == std::ifstream::traits_type::eof()) {
+  std::array<std::uint8_t, 1> first{};
+  if (open_replayed<OutsideFile>(settings.file, kReplayFile).read(first) == 0) {
     refuse_replayed(settings.file, "the file is empty");
   }
   if (CaptureFile::is_one(settings.file)) {
     return std::make_unique<CaptureReader>(settings);
   }
-  if (first == '(') {
+  if (first.front() == '(') {
     return std::make_unique<CandumpReader>(settings);
   }
   const fs::path index = fs::path(settings.file).replace_extension(".index");
-  if (index != fs::path(settings.file) && fs::exists(index)) {
+  std::error_code error;
+  if (index != fs::path(settings.file) && fs::exists(fs::symlink_status(index, error))) {
     return std::make_unique<IndexedReader>(settings, index);
   }
   return std::make_unique<LogReader>(settings);

@@ -3,18 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "drivers/endpoints.h"
+#include "hil/configuration/outside_file.h"
 #include "hil/executive/executive.h"
 #include "hil/files/mcap_file.h"
 #include "hil/files/new_folder.h"
@@ -32,19 +31,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kDescriptionFile = "recording.json";
 
-std::ifstream open(const fs::path& path) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw drivers::EndpointError(
-        fmt::format("the recording {}: {}", path.string(), std::generic_category().message(errno)));
-  }
-  return file;
-}
-
 std::string text_of(const fs::path& path) {
-  std::ifstream file = open(path);
-  return {std::istreambuf_iterator<char>(file), {}};
+  try {
+    return read_outside_file(path, kResultFile);
+  } catch (const FileRefused& refused) {
+    throw drivers::EndpointError(fmt::format("the recording {}", refused.what()));
+  }
 }
 
 [[noreturn]] void refuse(const fs::path& path, const std::string& why) {
@@ -71,7 +63,7 @@ void read_packets(const fs::path& path,
   pcapng::Reader reader;
   std::uint64_t read = 0;
   read_file(path, [&] {
-    read_pieces(path, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
+    read_pieces(path, kRecordingFile, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
       const auto block = reader.next(bytes);
       if (block.malformed()) {
         refuse(path,
@@ -89,7 +81,7 @@ void read_packets(const fs::path& path,
 }
 
 void read_records(const fs::path& path, const std::function<void(const mcap::Record&)>& use) {
-  read_file(path, [&] { each_mcap_record(path, use); });
+  read_file(path, [&] { each_mcap_record(path, kRecordingFile, use); });
 }
 
 std::optional<WireKind> kind_of(std::string_view name) {
@@ -124,7 +116,8 @@ RecordingContents read_description(const fs::path& folder, bool& with_truth) {
     contents.run.begin = instant("begin_ns");
     contents.run.truth_begin = instant("truth_begin_ns");
     contents.run.clients_before = json.value("clients_before", false);
-    contents.run.tells_requests = fs::exists(folder / "requests.log");
+    std::error_code error;
+    contents.run.tells_requests = fs::exists(folder / "requests.log", error);
     if (!json.at("end_ns").is_null()) {
       contents.end = SimTime{Duration{json.at("end_ns").get<std::int64_t>()}};
     }
@@ -256,14 +249,22 @@ std::optional<SimTime> instant_of(std::string_view text) {
 /// Lines of an instant and a text; none where there is no such file.
 std::vector<RecordedAct> read_acts(const fs::path& path) {
   std::vector<RecordedAct> acts;
-  std::ifstream file(path);
+  std::optional<LineReader> file;
+  try {
+    file.emplace(path, kRecordingFile);
+  } catch (const FileRefused& refused) {
+    if (refused.missing()) {
+      return acts;
+    }
+    throw drivers::EndpointError(fmt::format("the recording {}", refused.what()));
+  }
   std::size_t number = 0;
-  for (std::string line; std::getline(file, line);) {
+  for (std::string line; file->next(line);) {
     ++number;
     if (line.empty() || line.front() == '#') {
       continue;
     }
-    if (file.eof()) {
+    if (!file->whole()) {
       break;  // the run was killed while it was written
     }
     const std::size_t space = line.find(' ');

@@ -57,7 +57,8 @@ struct RecordedAct {
   SimTime at{};
   std::string text;
 };
-/// Empty where the recording has no such file. Throws std::invalid_argument with file and line.
+/// Empty where the recording has no such file. Throws std::invalid_argument with file and line, and
+/// drivers::EndpointError where it cannot be read.
 [[nodiscard]] std::vector<RecordedAct> client_acts(const std::filesystem::path& folder,
                                                    const std::string& wire);
 /// What governed the run and changed it; likewise.

@@ -51,7 +51,7 @@ class UnitReader {
  public:
   UnitReader(const fs::path& folder, const RecordingContents& contents, const RecordedWire& wire,
              bool inbound)
-      : file_(folder / "wires" / (wire.name + ".pcapng")),
+      : file_(folder / "wires" / (wire.name + ".pcapng"), kRecordingFile),
         start_unix_ns_(contents.run.start_unix_ns),
         kind_(wire.kind),
         inbound_(inbound) {}

@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include "fields/check.h"
 
 namespace rigwire::hil {
 
 void refuse_motion(const std::string& file, const std::string& why) {
-  throw std::invalid_argument(fmt::format("machine.motion.file: {}: {}", file, why));
+  throw fields::Refused("machine.motion.file", fmt::format("{}: {}", file, why));
 }
 
 Eigen::Isometry3d pose_of(const Eigen::Vector3d& p_W, const Eigen::Quaterniond& q) {

@@ -1,5 +1,6 @@
 #include "hil/files/motion_file.h"
 
+#include "hil/configuration/outside_file.h"
 #include "hil/files/mcap_file.h"
 #include "hil/files/motion_contents.h"
 #include "hil/files/motion_csv.h"
@@ -26,10 +27,14 @@ void visit(fields::Visitor& v, MotionSettings& p) {
 sim::MachineRecord read_motion(const MotionSettings& settings, sim::Machine& model,
                                const sim::LocalFrame& frame) {
   MotionContents contents(settings, model);
-  if (is_mcap(settings.file)) {
-    read_mcap_motion(settings, contents);
-  } else {
-    read_csv_motion(settings, contents, model, frame);
+  try {
+    if (is_mcap(settings.file)) {
+      read_mcap_motion(settings, contents);
+    } else {
+      read_csv_motion(settings, contents, model, frame);
+    }
+  } catch (const FileRefused& refused) {
+    refuse_motion(settings.file, refused.rest());
   }
   return contents.record();
 }

@@ -307,23 +307,25 @@ Problem placed(const fields::Refused& refused, const Origins& origins) {
 void check_start(const LoadedRig& rig, RunLog* log) {
   const RigConfiguration& configuration = rig.configuration;
   Problems problems;
-  const auto make = [&](auto&& part) {
+  // `key`: what the part is made from, empty: from several.
+  const auto make = [&](const std::string& key, const char* what, auto&& part) {
     try {
       part();
     } catch (const fields::Refused& refused) {
       problems.add(placed(refused, rig.origins));
     } catch (const std::exception& error) {
-      problems.add({rig.origins.nearest(""),
-                    "",
-                    fields::failure_text(error, "what the rig describes"),
-                    {},
-                    {},
-                    {}});
+      problems.add(
+          {rig.origins.nearest(key), key, fields::failure_text(error, what), {}, {}, {}});
     }
   };
-  make([&] { (void)make_local_frame(configuration.origin); });
-  make([&] { (void)make_satellites(configuration.satellites, Calendar(configuration.start)); });
-  make([&] {
+  const auto key_of = [](const std::string& section, const char* key, const std::string& file) {
+    return file.empty() ? section : section + key;
+  };
+  make(key_of("origin", ".geoid_file", configuration.origin.geoid_file), "the geoid",
+       [&] { (void)make_local_frame(configuration.origin); });
+  make(key_of("satellites", ".file", configuration.satellites.file), "the satellites",
+       [&] { (void)make_satellites(configuration.satellites, Calendar(configuration.start)); });
+  make("", "the scene with the machine", [&] {
     const MachineInScene built = build_machine_in_scene(configuration, log);
     require_quantities(configuration, state_quantities(*built.machine));
   });

@@ -1,8 +1,10 @@
 #include "hil/world/scene.h"
 
 #include <array>
+#include <stdexcept>
 #include <variant>
 
+#include "fields/check.h"
 #include "fields/visitor.h"
 #include "hil/files/height_map_file.h"
 #include "hil/files/mesh_file.h"
@@ -55,7 +57,11 @@ SceneFiles load_scene_files(const sim::SceneDescription& description,
   SceneFiles files;
   files.description = description;
   if (auto* map = std::get_if<sim::HeightMapTerrain>(&files.description.terrain)) {
-    map->heights = load_height_map(*map, {origin.latitude_deg, origin.longitude_deg});
+    try {
+      map->heights = load_height_map(*map, {origin.latitude_deg, origin.longitude_deg});
+    } catch (const std::invalid_argument& error) {
+      throw fields::Refused("scene.terrain.file", error.what());
+    }
   }
   files.meshes = load_meshes(description.objects, files.report);
   return files;

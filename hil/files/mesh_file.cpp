@@ -23,6 +23,7 @@
 #include <set>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "hil/configuration/outside_file.h"
@@ -62,6 +63,11 @@ class OpenedFiles final : public Assimp::DefaultIOSystem {
   /// `refusal`: set where a file is there and is not opened. Both must outlive the object.
   OpenedFiles(std::vector<std::string>& names, std::string& refusal)
       : names_(names), refusal_(refusal) {}
+  /// Without opening it, which assimp's own does.
+  bool Exists(const char* file) const override {
+    std::error_code error;
+    return std::filesystem::exists(file, error);
+  }
   Assimp::IOStream* Open(const char* file, const char* mode) override {
     if (std::strchr(mode, 'r') == nullptr) {
       return nullptr;

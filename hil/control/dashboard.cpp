@@ -24,6 +24,7 @@
 #include "hil/devices/valve_driver.h"
 #include "hil/devices/velodyne.h"
 #include "hil/record/run_events.h"
+#include "hil/stream/viewer_json.h"
 #include "sim/camera/camera_kinds.h"
 #include "sim/camera/lens.h"
 
@@ -117,28 +118,6 @@ std::vector<ParameterRequest> parameter_requests(const std::vector<StreamParamet
                                           "the parameters")});
   }
   return requests;
-}
-
-/// The text as a JSON object, or in `why` why it is none.
-std::optional<Json> json_object(std::string_view text, std::string& why) {
-  // To print it takes as much stack as it is deep.
-  bool too_deep = false;
-  Json json = Json::parse(
-      text,
-      [&too_deep](int depth, Json::parse_event_t /*event*/, Json& /*parsed*/) {
-        too_deep = too_deep || depth > kMaximumRequestDepth;
-        return !too_deep;
-      },
-      false);
-  if (too_deep) {
-    why = fmt::format("the request is nested deeper than {} levels", kMaximumRequestDepth);
-    return std::nullopt;
-  }
-  if (!json.is_object()) {
-    why = "the request is no JSON object";
-    return std::nullopt;
-  }
-  return json;
 }
 
 /// Why something was refused, in one sentence.
@@ -351,7 +330,7 @@ void Dashboard::offer_commands() {
     service.call = [this, verb = service.name.substr(1)](std::string_view request,
                                                          const StreamService::Answer& answer) {
       std::string why;
-      const auto json = json_object(request, why);
+      const auto json = viewer_object(request, why);
       if (!json) {
         answer(false, why);
         return;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "hil/configuration/plain_text.h"
+#include "hil/stream/viewer_json.h"
 
 namespace rigwire::hil {
 namespace {
@@ -213,12 +214,14 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
   }
 
   void receive_text(std::string_view bytes) {
-    const Json json = Json::parse(bytes, nullptr, false);
-    if (json.is_discarded() || !json.is_object() || !json.contains("op") ||
-        !json["op"].is_string()) {
-      complain("a message that is no JSON object with a text `op`");
+    std::string why;
+    const auto object = viewer_object(bytes, why);
+    if (!object || !object->contains("op") || !(*object)["op"].is_string()) {
+      complain("a message that is no JSON object with a text `op`" +
+               (why.empty() ? "" : ": " + why));
       return;
     }
+    const Json& json = *object;
     const auto op = json["op"].get<std::string>();
     if (op == "subscribe") {
       each(json, "subscriptions", [this](const Json& one) { subscribe(one); });

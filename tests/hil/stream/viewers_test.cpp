@@ -72,6 +72,20 @@ class ViewersTest : public testing::Test {
   drivers::WebSocket::Owner owner_;
 };
 
+// To print a value takes as much stack as it is deep.
+TEST_F(ViewersTest, AMessageOfThirtyThousandLevelsIsRefusedAndTakesNoStack) {
+  open();
+  (void)take();
+  const std::string deep(30'000, '[');
+  owner_.received(true, R"({"op":"subscribe","subscriptions":[{"id":)" + deep +
+                            std::string(30'000, ']') + "}]}");
+  const auto told = take();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_THAT(told.front(), HasSubstr("nested deeper than 24 levels"));
+  ask({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", shallow_}}}}});
+  EXPECT_TRUE(take().empty());
+}
+
 TEST_F(ViewersTest, WhoOffersNoneOfTheProtocolsIsRefused) {
   const auto answer = viewers_.admit({"GET", "/stream", "", "", "", "", "chat, foxglove"});
   ASSERT_TRUE(answer.refusal);

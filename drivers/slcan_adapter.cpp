@@ -15,7 +15,6 @@ using protocols::can::ControllerReport;
 using protocols::can::ErrorState;
 using slcan::Reply;
 using slcan::ReplyKind;
-using slcan::Verb;
 
 namespace {
 
@@ -168,13 +167,13 @@ void SlcanAdapter::take_line(const slcan::LineSplitter::Line& line) {
     return;
   }
   switch (command->verb) {
-    case Verb::version:
+    case slcan::Verb::version:
       write(as_bytes(kVersion));
       break;
-    case Verb::detailed_version:
+    case slcan::Verb::detailed_version:
       write(as_bytes(kDetailedVersion));
       break;
-    case Verb::serial_number:
+    case slcan::Verb::serial_number:
       write(as_bytes(kSerialNumber));
       break;
     default:
@@ -186,33 +185,33 @@ void SlcanAdapter::take_line(const slcan::LineSplitter::Line& line) {
 Reply SlcanAdapter::execute(const slcan::Command& command) {
   const bool closed = session_.channel == Channel::closed;
   switch (command.verb) {
-    case Verb::open:
+    case slcan::Verb::open:
       set_channel(Channel::open);
       return done_if(true);
-    case Verb::listen_only:
+    case slcan::Verb::listen_only:
       set_channel(Channel::listening);
       return done_if(true);
-    case Verb::close:
+    case slcan::Verb::close:
       set_channel(Channel::closed);
       return done_if(true);
-    case Verb::bit_rate:
+    case slcan::Verb::bit_rate:
       return done_if(set_bit_rate(slcan::rate_of_code(command.number, settings_.bit_rate_bps)));
-    case Verb::bit_timing:
+    case slcan::Verb::bit_timing:
       return done_if(
           set_bit_rate(slcan::rate_of_registers(static_cast<std::uint16_t>(command.number))));
-    case Verb::acceptance_code:
-    case Verb::acceptance_mask:
-    case Verb::filter_mode:
+    case slcan::Verb::acceptance_code:
+    case slcan::Verb::acceptance_mask:
+    case slcan::Verb::filter_mode:
       return done_if(set_filter(command));
-    case Verb::time_stamps:
+    case slcan::Verb::time_stamps:
       session_.time_stamps = command.number != 0;
       return done_if(true);
-    case Verb::auto_poll:
+    case slcan::Verb::auto_poll:
       session_.auto_poll = command.number != 0;
       return done_if(true);
-    case Verb::line_speed:
+    case slcan::Verb::line_speed:
       return done_if(true);
-    case Verb::poll: {
+    case slcan::Verb::poll: {
       if (closed || session_.auto_poll != false) {
         return done_if(false);
       }
@@ -223,14 +222,14 @@ Reply SlcanAdapter::execute(const slcan::Command& command) {
       session_.fetched.pop_front();
       return frame;
     }
-    case Verb::poll_all:
+    case slcan::Verb::poll_all:
       return closed || session_.auto_poll != false ? done_if(false) : fetch_all();
-    case Verb::status_flags: {
+    case slcan::Verb::status_flags: {
       Reply flags = plain(ReplyKind::status_flags);
       flags.number = closed ? std::uint16_t{0} : take_flags();
       return closed ? done_if(false) : flags;
     }
-    case Verb::frame:
+    case slcan::Verb::frame:
       return take_frame(command.frame);
     default:
       return done_if(false);
@@ -272,9 +271,9 @@ bool SlcanAdapter::set_filter(const slcan::Command& command) {
   if (session_.channel != Channel::closed) {
     return false;
   }
-  if (command.verb == Verb::acceptance_code) {
+  if (command.verb == slcan::Verb::acceptance_code) {
     session_.filter.code = command.number;
-  } else if (command.verb == Verb::acceptance_mask) {
+  } else if (command.verb == slcan::Verb::acceptance_mask) {
     session_.filter.mask = command.number;
   } else {
     session_.filter.single = command.number != 0;

@@ -10,7 +10,6 @@ namespace rigwire::drivers {
 
 namespace slcan = protocols::slcan;
 using slcan::ReplyKind;
-using slcan::Verb;
 
 SlcanClient::SlcanClient(ByteStream& line, std::uint32_t bit_rate_bps)
     : line_(line), rate_code_(0) {
@@ -24,7 +23,7 @@ SlcanClient::SlcanClient(ByteStream& line, std::uint32_t bit_rate_bps)
 
 SlcanClient::~SlcanClient() {
   line_.start({});
-  write(slcan::write_command({Verb::close, 0, {}}).span());
+  write(slcan::write_command({slcan::Verb::close, 0, {}}).span());
 }
 
 void SlcanClient::start(Receiver receiver) {
@@ -41,9 +40,10 @@ void SlcanClient::start(Receiver receiver) {
 
 void SlcanClient::reopen() {
   controller_ = {};
-  write(slcan::write_command({Verb::close, 0, {}}).span());
-  write(slcan::write_command({Verb::bit_rate, static_cast<std::uint16_t>(rate_code_), {}}).span());
-  write(slcan::write_command({Verb::open, 0, {}}).span());
+  write(slcan::write_command({slcan::Verb::close, 0, {}}).span());
+  write(slcan::write_command({slcan::Verb::bit_rate, static_cast<std::uint16_t>(rate_code_), {}})
+            .span());
+  write(slcan::write_command({slcan::Verb::open, 0, {}}).span());
 }
 
 bool SlcanClient::send(const protocols::can::Frame& frame) {

@@ -20,7 +20,6 @@ namespace rigwire::drivers {
 namespace socketcand = protocols::socketcand;
 using protocols::can::Frame;
 using socketcand::Command;
-using socketcand::Verb;
 using Clock = std::chrono::steady_clock;
 
 namespace {
@@ -207,7 +206,7 @@ void SocketcandServer::execute(Client& client, const Command& command) {
 }
 
 void SocketcandServer::execute_without_bus(Client& client, const Command& command) {
-  if (command.verb != Verb::open ||
+  if (command.verb != socketcand::Verb::open ||
       std::ranges::find(settings_.buses, command.bus) == settings_.buses.end()) {
     (void)say(client.id, "< error could not open bus >");
     client.ending = true;
@@ -219,15 +218,15 @@ void SocketcandServer::execute_without_bus(Client& client, const Command& comman
 }
 
 /// The commands that all modes have; a mode's own name is unknown in it.
-void SocketcandServer::enter(Client& client, Verb mode) {
-  if (mode == Verb::echo) {
+void SocketcandServer::enter(Client& client, socketcand::Verb mode) {
+  if (mode == socketcand::Verb::echo) {
     (void)say(client.id, "< echo >");
     return;
   }
-  const auto next = mode == Verb::raw_mode       ? Client::Mode::raw
-                    : mode == Verb::bcm_mode     ? Client::Mode::bcm
-                    : mode == Verb::control_mode ? Client::Mode::control
-                                                 : client.mode;
+  const auto next = mode == socketcand::Verb::raw_mode       ? Client::Mode::raw
+                    : mode == socketcand::Verb::bcm_mode     ? Client::Mode::bcm
+                    : mode == socketcand::Verb::control_mode ? Client::Mode::control
+                                                             : client.mode;
   if (next == client.mode) {
     (void)say(client.id, kUnknown);
     return;
@@ -263,12 +262,12 @@ void SocketcandServer::settle(Client& client) {
 void SocketcandServer::execute_bcm(Client& client, const Command& command) {
   const std::uint64_t key = key_of(command.frame);
   switch (command.verb) {
-    case Verb::malformed:
+    case socketcand::Verb::malformed:
       break;
-    case Verb::send:
+    case socketcand::Verb::send:
       (void)submit(client.id, command.frame);
       break;
-    case Verb::add: {
+    case socketcand::Verb::add: {
       Job& job = client.jobs.try_emplace(key, context_, command.frame).first->second;
       job.frame = command.frame;
       job.interval = command.interval;
@@ -276,26 +275,26 @@ void SocketcandServer::execute_bcm(Client& client, const Command& command) {
       repeat(client.id, key);
       break;
     }
-    case Verb::update:
+    case socketcand::Verb::update:
       if (const auto job = client.jobs.find(key); job != client.jobs.end()) {
         job->second.frame = command.frame;
       }
       break;
-    case Verb::remove:
+    case socketcand::Verb::remove:
       client.jobs.erase(key);
       break;
-    case Verb::subscribe:
-    case Verb::filter:
-    case Verb::mux_filter: {
+    case socketcand::Verb::subscribe:
+    case socketcand::Verb::filter:
+    case socketcand::Verb::mux_filter: {
       client.subscriptions.erase(key);
       Subscription& fresh =
           client.subscriptions.try_emplace(key, context_, command.masks).first->second;
       // The daemon leaves the interval of a < muxfilter > out.
-      fresh.interval =
-          command.verb == Verb::mux_filter ? std::chrono::microseconds{0} : command.interval;
+      fresh.interval = command.verb == socketcand::Verb::mux_filter ? std::chrono::microseconds{0}
+                                                                    : command.interval;
       break;
     }
-    case Verb::unsubscribe:
+    case socketcand::Verb::unsubscribe:
       client.subscriptions.erase(key);
       break;
     default:
@@ -305,19 +304,19 @@ void SocketcandServer::execute_bcm(Client& client, const Command& command) {
 }
 
 void SocketcandServer::execute_raw(Client& client, const Command& command) {
-  if (command.verb == Verb::send) {
+  if (command.verb == socketcand::Verb::send) {
     client.ending = !submit(client.id, command.frame);
-  } else if (command.verb != Verb::malformed) {
+  } else if (command.verb != socketcand::Verb::malformed) {
     enter(client, command.verb);
   }
 }
 
 void SocketcandServer::execute_control(Client& client, const Command& command) {
-  if (command.verb == Verb::statistics) {
+  if (command.verb == socketcand::Verb::statistics) {
     client.statistics_interval = command.interval;
     client.statistics.expires_at(Clock::now());
     report_statistics(client.id);
-  } else if (command.verb != Verb::malformed) {
+  } else if (command.verb != socketcand::Verb::malformed) {
     enter(client, command.verb);
   }
 }

@@ -24,14 +24,15 @@ class AntennaBook {
   void note(std::string_view name, SimTime time, const Eigen::Vector3d& p_W) {
     auto found = tracks_.find(name);
     if (found == tracks_.end()) {
-      found = tracks_.emplace(std::string(name), Track{}).first;
+      found = tracks_.emplace(std::string(name), Track{.id = tracks_.size()}).first;
     }
     Track& track = found->second;
     track.places[track.next % kRemembered] = {time, p_W};
     ++track.next;
   }
 
-  /// visit(p_W) of each antenna but `self` that had an epoch at that instant.
+  /// visit(id, p_W) of each antenna but `self` that had an epoch at that instant. An antenna keeps
+  /// its id, which no other has.
   template <class Visit>
   void each(SimTime time, std::string_view self, Visit visit) const {
     for (const auto& [name, track] : tracks_) {
@@ -40,7 +41,7 @@ class AntennaBook {
       }
       for (const Place& place : track.places) {
         if (place.time == time) {
-          visit(place.p_W);
+          visit(track.id, place.p_W);
           break;
         }
       }
@@ -53,6 +54,7 @@ class AntennaBook {
     Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
   };
   struct Track {
+    std::size_t id = 0;
     std::array<Place, kRemembered> places{};
     std::size_t next = 0;
   };

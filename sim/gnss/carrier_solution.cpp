@@ -1,5 +1,6 @@
 #include "sim/gnss/carrier_solution.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -38,7 +39,9 @@ bool is_kinematic(CorrectionKind kind) {
 
 // Times to fix, see the header.
 constexpr double kShortest_s = 4.0;
-constexpr int kGammaShape = 4;
+constexpr double kLongest = 1.2;  ///< Times the mean.
+constexpr double kRemembered_s = 1.0;
+constexpr int kGammaShape = 16;
 constexpr double kSlower_m = 15e3;  ///< At this distance it takes twice as long.
 constexpr double kGpsAlone = 3.0;
 constexpr double kOneBand = 4.0;
@@ -156,13 +159,30 @@ void CarrierEngine::lose() {
   floating_ = kNever;
   enough_ = kNever;
   fixed_ = false;
+  fell_ = false;
+  remembered_ = false;
 }
 
-/// Float: exponential convergence from start to end.
+/// From fixed to floating.
+void CarrierEngine::fall(SimTime now) {
+  floating_ = now;
+  fell_ = true;
+  fixed_ = false;
+}
+
+/// Float: exponential convergence from start to end, or away from the fix that it was.
 double CarrierEngine::float_sigma_m(SimTime now) const {
   const CorrectionParameters& p = parameters_;
   const double fade = std::exp(-to_seconds(now - floating_) / p.float_decay_s);
-  return p.float_end_m + (p.float_start_m - p.float_end_m) * fade;
+  return fell_ ? std::hypot(fixed_sigma_m_, p.float_end_m * std::sqrt(1.0 - fade * fade))
+               : p.float_end_m + (p.float_start_m - p.float_end_m) * fade;
+}
+
+void CarrierEngine::put_fixed(double horizontal_m, double vertical_m, CorrectionOutput& output) {
+  output.carrier = CarrierSolution::fixed;
+  put_error(horizontal_m, vertical_m, output);
+  const double ratio = parameters_.vertical_ratio;
+  fixed_sigma_m_ = ratio > 0.0 ? std::max(horizontal_m, vertical_m / ratio) : horizontal_m;
 }
 
 double CarrierEngine::drawn_convergence_s() {
@@ -171,7 +191,7 @@ double CarrierEngine::drawn_convergence_s() {
   for (int i = 0; i < kGammaShape; ++i) {
     sum -= std::log(1.0 - waits_.uniform());
   }
-  return parameters_.convergence_s * sum / kGammaShape;
+  return parameters_.convergence_s * std::min(kLongest, sum / kGammaShape);
 }
 
 /// By what arrived, and by nothing else.
@@ -207,30 +227,31 @@ void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& 
                        received.baseline_m <= farthest_m;
   if (!fixable) {
     if (fixed_) {
-      // What was fixed floats on from its best.
-      constexpr double kConverged = 5.0;
-      floating_ = input.time - from_seconds(kConverged * p.float_decay_s);
+      fall(input.time);
     }
-    fixed_ = false;
+    remembered_ = remembered_ && received.common.held >= static_cast<int>(p.least_satellites);
     enough_ = kNever;
   } else if (enough_ == kNever) {
     enough_ = input.time;
     const double slower = 1.0 + received.baseline_m / kSlower_m;
-    wait_s_ = fixed_before_
-                  ? waits_.uniform(p.refix_shortest_s, p.refix_longest_s)
-                  : std::max(kShortest_s, drawn_convergence_s()) *
-                        (received.gps_only ? kGpsAlone : 1.0) * (two_bands ? 1.0 : kOneBand);
-    wait_s_ *= slower;
+    if (remembered_) {
+      wait_s_ = kRemembered_s;
+    } else if (fixed_before_) {
+      wait_s_ = slower * waits_.uniform(p.refix_shortest_s, p.refix_longest_s);
+    } else {
+      wait_s_ = slower * std::max(kShortest_s, drawn_convergence_s()) *
+                (received.gps_only ? kGpsAlone : 1.0) * (two_bands ? 1.0 : kOneBand);
+    }
   }
   if (!fixed_ && enough_ != kNever && to_seconds(input.time - enough_) >= wait_s_) {
     fixed_ = true;
     fixed_before_ = true;
+    remembered_ = true;
   }
   if (fixed_) {
-    output.carrier = CarrierSolution::fixed;
     // Fixed: sigma + ppm x baseline + age; a radial sigma is sqrt(2) of each axis.
     const double grown_m = p.fixed_per_baseline * received.baseline_m + kByAge_mps * age_s;
-    put_error((p.fixed_horizontal_m + grown_m) / std::numbers::sqrt2, p.fixed_vertical_m + grown_m,
+    put_fixed((p.fixed_horizontal_m + grown_m) / std::numbers::sqrt2, p.fixed_vertical_m + grown_m,
               output);
   } else {
     output.carrier = CarrierSolution::floating;
@@ -251,9 +272,8 @@ void CarrierEngine::advance_assumed_rtk(const CorrectionInput& input, Correction
   }
   if (!input.carriers.can_fix(p.least_satellites)) {
     if (fixed_) {
-      floating_ = input.time;
+      fall(input.time);
     }
-    fixed_ = false;
     enough_ = kNever;
   } else if (enough_ == kNever) {
     enough_ = input.time;
@@ -264,10 +284,9 @@ void CarrierEngine::advance_assumed_rtk(const CorrectionInput& input, Correction
     fixed_before_ = true;
   }
   if (fixed_) {
-    output.carrier = CarrierSolution::fixed;
     // Fixed: sigma + ppm x baseline; a radial sigma is sqrt(2) of each axis.
     const double by_baseline_m = p.fixed_per_baseline * p.baseline_m;
-    put_error((p.fixed_horizontal_m + by_baseline_m) / std::numbers::sqrt2,
+    put_fixed((p.fixed_horizontal_m + by_baseline_m) / std::numbers::sqrt2,
               p.fixed_vertical_m + by_baseline_m, output);
   } else {
     output.carrier = CarrierSolution::floating;

@@ -13,7 +13,10 @@
 //            3 cm per minute of age. A fix is lost where fewer than five common satellites, or
 //            fewer than half of those that are used, have a carrier to go by (CarrierCount), and
 //            with corrections older than 30 s; everything with corrections older than the
-//            receiver's limit.
+//            receiver's limit. What was fixed floats on from its place: its error grows from that
+//            of the fix to that of a float, over float_decay. Integers are remembered while enough
+//            carriers are held without a slip, and fix again a second after what was missing is
+//            there; after slips the receiver searches anew.
 //   assumed_rtk  the same without a base station, so not causal: corrections are assumed to arrive
 //            at an interval with a latency, from a base at a distance. No cable can be pulled but
 //            by the fault correction_outage. For receivers whose way to their corrections is not
@@ -22,11 +25,12 @@
 // Corrections of sbas, service and assumed_rtk arrive at an interval with a latency; without them
 // the state is kept to a largest age.
 //
-// Time to fix of rtk: the longer of 4 s and a draw of a gamma distribution (shape 4) with mean
-// `convergence`, 7 s: "below 10 s" of a ZED-F9P's data sheet (UBX-21044850, table 2); three times
-// that with GPS alone (the same, "below 30 s"), four times with one band alone (NEO-M8P data sheet:
-// "below 60 s"), and (1 + baseline / 15 km) times. No fix beyond 50 km with two bands, 15 km with
-// one, where the ionosphere differs by a quarter of a wavelength (closed form over 2 mm/km).
+// Time to fix of rtk: a draw of a gamma distribution (shape 16) with mean `convergence`, 7 s, at
+// least 4 s and at most 1.2 times the mean: "below 10 s" of a ZED-F9P's data sheet (UBX-21044850,
+// table 2); three times that with GPS alone (the same, "below 30 s"), four times with one band
+// alone (NEO-M8P data sheet: "below 60 s"), and (1 + baseline / 15 km) times. No fix beyond 50 km
+// with two bands, 15 km with one, where the ionosphere differs by a quarter of a wavelength (closed
+// form over 2 mm/km).
 #pragma once
 
 #include <Eigen/Core>
@@ -135,6 +139,8 @@ class CarrierEngine {
   void advance_assumed_rtk(const CorrectionInput& input, CorrectionOutput& output);
   void advance_rtk(const CorrectionInput& input, CorrectionOutput& output);
   void lose();
+  void fall(SimTime now);
+  void put_fixed(double horizontal_m, double vertical_m, CorrectionOutput& output);
   [[nodiscard]] double float_sigma_m(SimTime now) const;
   [[nodiscard]] double drawn_convergence_s();
   void advance_service(const CorrectionInput& input, CorrectionOutput& output);
@@ -154,7 +160,10 @@ class CarrierEngine {
   double wait_s_ = 0.0;        ///< From enough_ to fixed.
   bool fixed_ = false;
   bool fixed_before_ = false;
-  int epochs_ = 0;  ///< rtk: of the station, since there was nothing usable.
+  bool fell_ = false;           ///< It floats on from a fix ...
+  double fixed_sigma_m_ = 0.0;  ///< ... whose error per axis was this.
+  bool remembered_ = false;     ///< rtk: the integers of the last fix are still those.
+  int epochs_ = 0;              ///< rtk: of the station, since there was nothing usable.
 };
 
 }  // namespace rigwire::sim

@@ -232,10 +232,11 @@ void GnssSensor::take_corrections(const Epoch& epoch) {
     }
     return KnownDelay{shared.orbit_clock_m + troposphere_m, ionosphere_m};
   };
-  std::vector<Eigen::Vector3d> places_E_m;
-  antennas_->each(newest->measured, name_,
-                  [&](const Eigen::Vector3d& p_W) { places_E_m.push_back(frame_.to_ecef(p_W)); });
-  station_.take(*newest, time, delay_of, places_E_m);
+  std::vector<KnownAntenna> antennas;
+  antennas_->each(newest->measured, name_, [&](std::size_t id, const Eigen::Vector3d& p_W) {
+    antennas.push_back({id, frame_.to_ecef(p_W)});
+  });
+  station_.take(*newest, time, delay_of, antennas);
 }
 
 std::optional<ReceivedCorrections> GnssSensor::received_corrections(const Epoch& epoch) const {
@@ -279,9 +280,15 @@ void GnssSensor::correct(Epoch& epoch, GnssSample& sample) {
   if (auto& error_ned_m = epoch.corrections.error_ned_m) {
     *error_ned_m *= parameters_.errors ? 1.0 : 0.0;
     if (parameters_.corrections.kind == CorrectionKind::rtk) {
-      // A station that claims a wrong place moves its rovers by as much.
-      *error_ned_m +=
-          epoch.ned_from_world * (frame_.world_from_ecef() * station_.claim_error_E_m());
+      // A station that claims a wrong place moves its rovers by as much; what the engine does not
+      // know of the station's place, it does not know of its own.
+      const Eigen::Matrix3d turn = epoch.ned_from_world * frame_.world_from_ecef();
+      *error_ned_m += turn * station_.claim_error_E_m();
+      const Eigen::Matrix3d unknown_m2 = turn * station_.claim_covariance_m2() * turn.transpose();
+      CorrectionOutput& output = epoch.corrections;
+      output.horizontal_sigma_m = std::sqrt(std::pow(output.horizontal_sigma_m, 2) +
+                                            0.5 * (unknown_m2(0, 0) + unknown_m2(1, 1)));
+      output.vertical_sigma_m = std::sqrt(std::pow(output.vertical_sigma_m, 2) + unknown_m2(2, 2));
     }
   }
   sample.differential = epoch.corrections.differential;
@@ -431,7 +438,8 @@ NavigationEngine::Epoch GnssSensor::engine_epoch(const Epoch& epoch) const {
       .ionosphere_s = r.ionosphere_correlation_s,
       .troposphere_s = r.troposphere_correlation_s,
       .orbit_s = r.orbit_clock_correlation_s,
-      .multipath_s = rest_s / (1.0 + rest_s * reception.speed_mps / r.multipath_length_m)};
+      .multipath_s = rest_s / (1.0 + rest_s * reception.speed_mps / r.multipath_length_m),
+      .carrier_s = parameters_.corrections.correlation_s};
   e.still = command_.stationary;
   return e;
 }
@@ -468,7 +476,8 @@ void GnssSensor::solve_engine(Epoch& epoch, GnssSample& sample) {
     const double level_m = std::max(epoch.corrections.horizontal_sigma_m, kLeastCarrierSigma_m);
     position = {
         *epoch.corrections.error_ned_m,
-        {level_m, level_m, std::max(epoch.corrections.vertical_sigma_m, kLeastCarrierSigma_m)}};
+        {level_m, level_m, std::max(epoch.corrections.vertical_sigma_m, kLeastCarrierSigma_m)},
+        true};
   }
   const NavigationEngine::Epoch now = engine_epoch(epoch);
   NavigationFix fix = engine_.fix(now, engine_signals_, position);

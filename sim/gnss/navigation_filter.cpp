@@ -91,6 +91,7 @@ double NavigationSignal::sigma_m() const {
 NavigationFilter::NavigationFilter(const NavigationParameters& parameters, std::size_t satellites)
     : parameters_(parameters), own_(satellites) {
   with_common_.setZero();
+  with_carriers_.setZero();
   present_.reserve(satellites);
   ranges_.reserve(satellites);
   rates_.reserve(satellites);
@@ -111,6 +112,7 @@ void NavigationFilter::begin(const NavigationTruth& truth) {
   believed_ = variances.asDiagonal();
   actual_ = believed_;
   with_common_.setZero();
+  with_carriers_.setZero();
   for (const std::size_t source : present_) {
     own_[source] = {};
   }
@@ -163,6 +165,8 @@ void NavigationFilter::predict(double step_s, const NavigationNoise& noise,
   transport_columns(with_common_, h);
   with_common_.leftCols<3>() *= faded(h, correlation.ionosphere_s);
   with_common_.col(3) *= faded(h, correlation.troposphere_s);
+  transport_columns(with_carriers_, h);
+  with_carriers_ *= faded(h, correlation.carrier_s);
   const double orbit = faded(h, correlation.orbit_s);
   const double multipath = faded(h, correlation.multipath_s);
   for (const std::size_t source : present_) {
@@ -292,8 +296,16 @@ void NavigationFilter::apply(std::span<const NavigationSignal> signals) {
     join(with, signal.multipath_sigma_m * k);
     own.with.col(1) = with;
   }
+  Eigen::Matrix<double, kStates, 3> by_carriers;
+  by_carriers.setZero();
   for (const Row& row : others_) {
-    (void)gain(row);
+    const State k = gain(row);
+    by_carriers.col(row.axis) += row.stays_m * k;
+  }
+  for (Eigen::Index axis = 0; axis < by_carriers.cols(); ++axis) {
+    State with = with_carriers_.col(axis);
+    join(with, by_carriers.col(axis));
+    with_carriers_.col(axis) = with;
   }
   for (Eigen::Index c = 0; c < common.cols(); ++c) {
     State with = with_common_.col(c);
@@ -323,6 +335,21 @@ void NavigationFilter::apply(std::span<const NavigationSignal> signals) {
   systems_m_ += change.tail<3>();
 }
 
+/// Makes the carriers' position that of the state. What else the state is off by has in common with
+/// it only what the carriers put there.
+void NavigationFilter::go_on_from(const Position& position, const NavigationTruth& truth) {
+  const Eigen::Matrix3d world_from_ned = truth.ned_from_world.transpose();
+  p_W_ = truth.p_W + world_from_ned * position.error_ned_m;
+  const Eigen::Matrix3d made = world_from_ned * position.sigma_ned_m.asDiagonal();
+  with_carriers_.topRows<3>() = made;
+  with_common_.topRows<3>().setZero();
+  for (const std::size_t source : present_) {
+    own_[source].with.topRows<3>().setZero();
+  }
+  actual_.topRows<3>() = made * with_carriers_.transpose();
+  actual_.leftCols<3>() = actual_.topRows<3>().transpose();
+}
+
 void NavigationFilter::update(const NavigationTruth& truth,
                               std::span<const NavigationSignal> signals,
                               const std::optional<Position>& position, bool still) {
@@ -341,7 +368,10 @@ void NavigationFilter::update(const NavigationTruth& truth,
     if (std::isfinite(position->sigma_ned_m(axis))) {
       Row row;
       row.h.head<3>() = truth.ned_from_world.row(axis).transpose();
-      row.variance = row.white = std::pow(position->sigma_ned_m(axis), 2);
+      row.variance = std::pow(position->sigma_ned_m(axis), 2);
+      row.white = position->by_carriers ? 0.0 : row.variance;
+      row.stays_m = position->by_carriers ? position->sigma_ned_m(axis) : 0.0;
+      row.axis = static_cast<int>(axis);
       row.innovation = position->error_ned_m(axis) - row.h.dot(error);
       others_.push_back(row);
     }
@@ -362,6 +392,9 @@ void NavigationFilter::update(const NavigationTruth& truth,
     widen();
   }
   apply(signals);
+  if (position && position->by_carriers) {
+    go_on_from(*position, truth);
+  }
   const State left = this->error(truth);
   residuals_m_.clear();
   for (std::size_t i = 0; i < signals.size(); ++i) {

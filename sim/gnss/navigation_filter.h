@@ -23,8 +23,9 @@
 // minutes and do not average out. So M, beside it, is what these gains make of errors that stay:
 // the "consider" covariance (S. F. Schmidt, "Applications of State-Space Methods to Navigation
 // Problems", 1966), with Gauss-Markov states for the ionosphere (zenith, two gradients), the
-// troposphere, and of each satellite its orbit and its multipath. Accuracies of position and time
-// come from M.
+// troposphere, and of each satellite its orbit and its multipath, and for the error of a position
+// by carriers. Accuracies of position and time come from M. So a receiver whose corrections end
+// goes on from the place and from the accuracy that it had by them.
 //
 // Integrity. A satellite whose innovation exceeds five of its standard deviations is left out of
 // the epoch, at least four staying. When more than half are beyond, it is the prediction that is
@@ -87,6 +88,7 @@ struct NavigationCorrelation {
   double troposphere_s = 1800.0;
   double orbit_s = 7200.0;
   double multipath_s = 120.0;  ///< At the present speed.
+  double carrier_s = 40.0;     ///< Of positions by carriers.
 };
 
 /// What drives the prediction.
@@ -119,6 +121,9 @@ class NavigationFilter {
   struct Position {
     Eigen::Vector3d error_ned_m = Eigen::Vector3d::Zero();  ///< Less the truth.
     Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Ones();  ///< Infinity: nothing is said.
+    /// It is that of the carriers, in full: the filter's own is this one from now on, and no better
+    /// known. Its errors stay (NavigationCorrelation::carrier_s) and do not average out.
+    bool by_carriers = false;
   };
   /// One epoch. `still`: the receiver takes its velocity for zero, whatever the range rates.
   /// `left_out[i]` tells whether signal i was: valid until the next call. The first update begins
@@ -151,6 +156,8 @@ class NavigationFilter {
     double variance = 1.0;  ///< That the filter takes it for.
     double white = 1.0;     ///< Variance of what does not stay.
     double innovation = 0.0;
+    double stays_m = 0.0;  ///< Deviation of what stays, of a position by carriers ...
+    int axis = 0;          ///< ... in this axis of north, east, down.
   };
 
   void begin(const NavigationTruth& truth);
@@ -160,6 +167,7 @@ class NavigationFilter {
   [[nodiscard]] bool agree(std::span<const NavigationSignal> signals);
   void widen();
   void apply(std::span<const NavigationSignal> signals);
+  void go_on_from(const Position& position, const NavigationTruth& truth);
 
   NavigationParameters parameters_;
   bool begun_ = false;
@@ -172,6 +180,8 @@ class NavigationFilter {
   Covariance actual_ = Covariance::Zero();               ///< M.
   /// Covariances of the state's error with what stays, each of variance 1: M's other part.
   Eigen::Matrix<double, kStates, static_cast<int>(kCommonErrors)> with_common_;
+  /// The same of the errors of positions by carriers: north, east, down.
+  Eigen::Matrix<double, kStates, 3> with_carriers_;
   struct Own {
     Eigen::Matrix<double, kStates, 2> with = Eigen::Matrix<double, kStates, 2>::Zero();
     bool present = false;  ///< In the update before.

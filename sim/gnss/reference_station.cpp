@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
 
 #include "fields/constants.h"
 #include "sim/gnss/signal_path.h"
@@ -16,8 +17,24 @@ namespace {
 constexpr std::size_t kLeastSatellites = 4;
 constexpr double kContradiction_m = 30.0;
 constexpr double kSearched_m = 10.0;
-constexpr double kAgreement_cycles = 0.12;
-constexpr double kAveraged_epochs = 60.0;
+/// Places nearer to each other than this have the same integers.
+constexpr double kSame_m = 0.05;
+constexpr double kRatio = 3.0;
+constexpr std::size_t kLeastDifferences = 4;
+constexpr double kNormalQuantile = 3.09;  ///< 99.9 %.
+// Standard deviations of measurements: overhead, and by what 1 / sin E goes on top.
+constexpr double kCarrier_m = 3e-3;
+constexpr double kCarrierByElevation_m = 3e-3;
+constexpr double kCode_m = 0.3;
+constexpr double kCodeByElevation_m = 0.6;
+constexpr double kGreatestInverseSine = 11.5;  ///< 5 degrees.
+constexpr double kMaskInverseSine = 5.76;      ///< 10 degrees: lower ones find no integers.
+/// How long errors of code stay.
+constexpr double kCodeStays_s = 120.0;
+/// What the place of a station at rest that is followed by carriers is doubted by in a second.
+constexpr double kWander_mps = 5e-3;
+/// Carriers that jump by more of their deviations do not tell a motion.
+constexpr double kJump = 5.0;
 
 /// By what the ionosphere is stronger on a satellite's first carrier than on GPS L1.
 double ionosphere_share(const GnssCorrections::Signal& signal) {
@@ -28,6 +45,20 @@ double ionosphere_share(const GnssCorrections::Signal& signal) {
 
 Eigen::Vector3d to_eigen(const Vector3& v) {
   return {v.x, v.y, v.z};
+}
+
+/// Normal of the ellipsoid below a place near the ground.
+Eigen::Vector3d up_at(const Eigen::Vector3d& p_E_m) {
+  constexpr double kAxisRatio = 1.0067394967;  // (a / b)^2, WGS-84
+  return Eigen::Vector3d(p_E_m.x(), p_E_m.y(), kAxisRatio * p_E_m.z()).normalized();
+}
+
+double carrier_sigma_m(double inverse_sine) {
+  return std::hypot(kCarrier_m, kCarrierByElevation_m * inverse_sine);
+}
+
+double code_sigma_m(double inverse_sine) {
+  return std::hypot(kCode_m, kCodeByElevation_m * inverse_sine);
 }
 
 /// A place and a clock by which signals can be predicted.
@@ -41,7 +72,9 @@ ReceptionPoint at(const GpsTime& time, const Eigen::Vector3d& p_E_m, double cloc
 }  // namespace
 
 ReferenceStation::ReferenceStation(std::shared_ptr<const Constellation> constellation)
-    : constellation_(std::move(constellation)), sound_(constellation_->satellites().size()) {}
+    : constellation_(std::move(constellation)),
+      sound_(constellation_->satellites().size()),
+      carriers_(constellation_->satellites().size()) {}
 
 std::optional<std::size_t> ReferenceStation::index_of(const GnssCorrections::Signal& signal) const {
   const auto satellites = constellation_->satellites();
@@ -76,14 +109,15 @@ void ReferenceStation::put_milliseconds(const Eigen::Vector3d& claimed_E_m, cons
   }
 }
 
-/// Place and clock by least squares (Gauss and Newton) from what rows_ have; the worst one is left
-/// out while it contradicts the rest.
+/// Place and clock by weighted least squares (Gauss and Newton) from what rows_ have; the worst one
+/// is left out while it contradicts the rest.
 std::optional<ReferenceStation::Fit> ReferenceStation::fit_code(const Eigen::Vector3d& start_E_m,
                                                                 const GpsTime& time,
                                                                 const DelayOf& delay_of) {
   constexpr int kRounds = 3;
+  const Eigen::Vector3d up = up_at(start_E_m);
   while (rows_.size() >= kLeastSatellites) {
-    Fit fit{start_E_m, 0.0};
+    Fit fit{.p_E_m = start_E_m};
     bool solved = true;
     for (int round = 0; round < kRounds && solved; ++round) {
       Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
@@ -92,14 +126,16 @@ std::optional<ReferenceStation::Fit> ReferenceStation::fit_code(const Eigen::Vec
       for (Row& row : rows_) {
         const SignalPath path = signal_path(*constellation_, row.index, point);
         const KnownDelay delay = delay_of(row.index, fit.p_E_m, path.direction_E);
+        row.inverse_sine = 1.0 / std::max(path.direction_E.dot(up), 1.0 / kGreatestInverseSine);
         row.residual_m =
             row.range_m - (path.range_m + fit.clock_m + delay.common_m +
                            ionosphere_share(*row.signal) * delay.ionosphere_m +
                            kLightSpeed_mps * (path.group_delay_s - path.satellite_clock_s));
+        const double weight = 1.0 / std::pow(code_sigma_m(row.inverse_sine), 2);
         Eigen::Vector4d line;
         line << -path.direction_E, 1.0;
-        normal += line * line.transpose();
-        right += row.residual_m * line;
+        normal += weight * line * line.transpose();
+        right += weight * row.residual_m * line;
       }
       const Eigen::LDLT<Eigen::Matrix4d> factors(normal);
       const Eigen::Vector4d step = factors.solve(right);
@@ -110,6 +146,8 @@ std::optional<ReferenceStation::Fit> ReferenceStation::fit_code(const Eigen::Vec
         for (Row& row : rows_) {
           row.residual_m -= step(3);
         }
+        const Eigen::Matrix4d covariance = factors.solve(Eigen::Matrix4d::Identity());
+        fit.covariance_m2 = covariance.topLeftCorner<3, 3>();
       }
     }
     // Residuals are those before the last, vanishing step.
@@ -123,61 +161,216 @@ std::optional<ReferenceStation::Fit> ReferenceStation::fit_code(const Eigen::Vec
   return std::nullopt;
 }
 
-/// Whether the carriers at that place are whole wavelengths apart, system by system, whose signals
-/// have one wavelength.
-bool ReferenceStation::bears_out(const Eigen::Vector3d& p_E_m, const Fit& fit, const GpsTime& time,
-                                 const DelayOf& delay_of) const {
+/// What code or carrier of a satellite is at a place, but for the clock there.
+double ReferenceStation::predicted_m(const Row& row, Quantity quantity, const ReceptionPoint& point,
+                                     const DelayOf& delay_of) const {
+  const SignalPath path = signal_path(*constellation_, row.index, point);
+  const KnownDelay delay = delay_of(row.index, point.position_E_m, path.direction_E);
+  const double common_m = path.range_m - kLightSpeed_mps * path.satellite_clock_s + delay.common_m;
+  const double ionosphere_m = ionosphere_share(*row.signal) * delay.ionosphere_m;
+  return quantity == Quantity::code ? common_m + kLightSpeed_mps * path.group_delay_s + ionosphere_m
+                                    : common_m - ionosphere_m;
+}
+
+/// The point of reception with the clock that goes with a place.
+ReceptionPoint ReferenceStation::point_at(const Eigen::Vector3d& p_E_m, const Fit& fit,
+                                          const GpsTime& time, const DelayOf& delay_of) const {
+  const ReceptionPoint about = at(time, p_E_m, fit.clock_m);
+  double sum_m = 0.0;
+  double weights = 0.0;
+  for (const Row& row : rows_) {
+    const double weight = 1.0 / std::pow(code_sigma_m(row.inverse_sine), 2);
+    sum_m += weight * (row.range_m - predicted_m(row, Quantity::code, about, delay_of));
+    weights += weight;
+  }
+  return at(time, p_E_m, sum_m / weights);
+}
+
+bool ReferenceStation::Misfit::passes() const {
+  if (differences < kLeastDifferences) {
+    return false;
+  }
+  // Quantile of chi^2 by Wilson and Hilferty.
+  const double n = static_cast<double>(differences);
+  const double part = 2.0 / (9.0 * n);
+  return squares < n * std::pow(1.0 - part + kNormalQuantile * std::sqrt(part), 3);
+}
+
+/// How far the carriers at that place are from whole wavelengths apart, system by system, whose
+/// signals have one wavelength.
+ReferenceStation::Misfit ReferenceStation::misfit(const Eigen::Vector3d& p_E_m, const Fit& fit,
+                                                  const GpsTime& time,
+                                                  const DelayOf& delay_of) const {
   constexpr std::array kSystems{GnssSystem::gps, GnssSystem::galileo, GnssSystem::beidou,
                                 GnssSystem::qzss};
-  // The clock that goes with this place.
-  double clock_m = fit.clock_m;
-  std::vector<std::pair<double, double>> carriers;  // predicted part, wavelength
-  const auto predict = [&](const Row& row, bool code) {
-    const SignalPath path = signal_path(*constellation_, row.index, at(time, p_E_m, clock_m));
-    const KnownDelay delay = delay_of(row.index, p_E_m, path.direction_E);
-    const double common_m =
-        path.range_m - kLightSpeed_mps * path.satellite_clock_s + delay.common_m;
-    const double ionosphere_m = ionosphere_share(*row.signal) * delay.ionosphere_m;
-    return code ? common_m + kLightSpeed_mps * path.group_delay_s + ionosphere_m
-                : common_m - ionosphere_m;
+  const ReceptionPoint point = point_at(p_E_m, fit, time, delay_of);
+  struct Cycles {
+    double value = 0.0;
+    double weight = 0.0;
   };
-  double sum_m = 0.0;
-  for (const Row& row : rows_) {
-    sum_m += row.range_m - predict(row, true);
-  }
-  clock_m = sum_m / static_cast<double>(rows_.size());
-
-  double squares = 0.0;
-  std::size_t differences = 0;
+  Misfit misfit;
+  std::vector<Cycles> cycles;
   for (const GnssSystem system : kSystems) {
-    std::vector<double> cycles;
+    cycles.clear();
     for (const Row& row : rows_) {
       const GnssCorrections::Signal& signal = *row.signal;
-      if (signal.system == system && signal.wavelength_m > 0.0 && std::isfinite(row.phase_m)) {
-        cycles.push_back((row.phase_m - predict(row, false)) / signal.wavelength_m);
+      if (signal.system == system && signal.wavelength_m > 0.0 && std::isfinite(row.phase_m) &&
+          row.inverse_sine < kMaskInverseSine) {
+        const double off_m = row.phase_m - predicted_m(row, Quantity::carrier, point, delay_of);
+        const double sigma = carrier_sigma_m(row.inverse_sine) / signal.wavelength_m;
+        cycles.push_back({off_m / signal.wavelength_m, 1.0 / (sigma * sigma)});
       }
     }
     if (cycles.size() < 2) {
       continue;
     }
-    // Their mean on the circle of one cycle; from it each is off by so much.
+    // Their weighted mean on the circle of one cycle; from it each is off by so much.
     std::complex<double> mean;
-    for (const double value : cycles) {
-      mean += std::polar(1.0, kTurn * (value - cycles.front()));
+    for (const Cycles& one : cycles) {
+      mean += std::polar(one.weight, kTurn * (one.value - cycles.front().value));
     }
-    const double middle = cycles.front() + std::arg(mean) / kTurn;
-    for (const double value : cycles) {
-      const double off = std::remainder(value - middle, 1.0);
-      squares += off * off;
+    const double middle = cycles.front().value + std::arg(mean) / kTurn;
+    for (const Cycles& one : cycles) {
+      const double off = std::remainder(one.value - middle, 1.0);
+      misfit.squares += one.weight * off * off;
     }
-    differences += cycles.size() - 1;
+    misfit.differences += cycles.size() - 1;
   }
-  return differences + 1 >= kLeastSatellites + 1 &&
-         std::sqrt(squares / static_cast<double>(differences)) < kAgreement_cycles;
+  return misfit;
+}
+
+/// The place that is held while it passes the test, or a new one that passed it twice; nothing when
+/// there is none.
+const ReferenceStation::Candidate* ReferenceStation::borne_out(const Fit& fit, const GpsTime& time,
+                                                               const DelayOf& delay_of) {
+  if (held_) {
+    const auto held = std::ranges::find(candidates_, *held_, &Candidate::identity);
+    if (held != candidates_.end()) {
+      held->misfit = misfit(held->p_E_m, fit, time, delay_of);
+      if (held->misfit.passes()) {
+        return &*held;
+      }
+    }
+    held_.reset();
+    likely_.reset();
+  }
+  for (Candidate& candidate : candidates_) {
+    candidate.misfit = misfit(candidate.p_E_m, fit, time, delay_of);
+  }
+  const auto best = std::ranges::min_element(
+      candidates_, {}, [](const Candidate& candidate) { return candidate.misfit.squares; });
+  if (best == candidates_.end() || !best->misfit.passes() ||
+      std::ranges::any_of(candidates_, [&](const Candidate& other) {
+        return (other.p_E_m - best->p_E_m).norm() > kSame_m &&
+               other.misfit.squares < kRatio * best->misfit.squares;
+      })) {
+    likely_.reset();
+    return nullptr;
+  }
+  if (likely_ == best->identity) {
+    held_ = best->identity;
+    return &*best;
+  }
+  likely_ = best->identity;
+  return nullptr;
+}
+
+/// Carries the place of the filter on by what the carriers say of the station's motion since the
+/// epoch before.
+void ReferenceStation::move_by_carriers(const Fit& fit, const GpsTime& time,
+                                        const DelayOf& delay_of) {
+  struct Change {
+    Eigen::Vector4d line = Eigen::Vector4d::Zero();
+    double metres = 0.0;
+    double sigma_m = 1.0;
+  };
+  const ReceptionPoint point = point_at(fit.p_E_m, fit, time, delay_of);
+  std::vector<Change> changes;
+  for (const Row& row : rows_) {
+    if (const Carrier& before = carriers_[row.index]; before.known && std::isfinite(row.phase_m)) {
+      Change& change = changes.emplace_back();
+      change.line << -signal_path(*constellation_, row.index, point).direction_E, 1.0;
+      change.metres =
+          row.phase_m - predicted_m(row, Quantity::carrier, point, delay_of) - before.rest_m;
+      change.sigma_m = carrier_sigma_m(row.inverse_sine);
+    }
+  }
+  while (changes.size() > kLeastSatellites) {
+    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    for (const Change& change : changes) {
+      const double weight = 1.0 / (change.sigma_m * change.sigma_m);
+      normal += weight * change.line * change.line.transpose();
+      right += weight * change.metres * change.line;
+    }
+    const Eigen::LDLT<Eigen::Matrix4d> factors(normal);
+    const Eigen::Vector4d solution = factors.solve(right);
+    if (factors.info() != Eigen::Success || !solution.allFinite()) {
+      break;
+    }
+    const auto jump = [&](const Change& change) {
+      return std::abs(change.metres - change.line.dot(solution)) / change.sigma_m;
+    };
+    const auto worst = std::ranges::max_element(changes, {}, jump);
+    if (jump(*worst) < kJump) {
+      place_E_m_ = fit.p_E_m + solution.head<3>();
+      const Eigen::Matrix4d covariance = factors.solve(Eigen::Matrix4d::Identity());
+      covariance_m2_ += covariance.topLeftCorner<3, 3>();
+      return;
+    }
+    changes.erase(worst);
+  }
+  placed_ = false;
+}
+
+void ReferenceStation::remember_carriers(const Fit& fit, const GpsTime& time,
+                                         const DelayOf& delay_of) {
+  const ReceptionPoint point = point_at(place_E_m_, fit, time, delay_of);
+  for (const Row& row : rows_) {
+    if (std::isfinite(row.phase_m)) {
+      carriers_[row.index] = {row.phase_m - predicted_m(row, Quantity::carrier, point, delay_of),
+                              true};
+    }
+  }
+}
+
+/// One update of the filter. Errors of code that stay for tau count for one measurement in 2 tau.
+void ReferenceStation::pull_by_code(const Fit& fit, double step_s) {
+  if (!placed_) {
+    place_E_m_ = fit.p_E_m;
+    covariance_m2_ = fit.covariance_m2;
+    placed_ = true;
+    return;
+  }
+  const double epochs = std::max(1.0, 2.0 * kCodeStays_s / std::max(step_s, 1e-3));
+  const Eigen::Matrix3d innovation_m2 = covariance_m2_ + epochs * fit.covariance_m2;
+  const Eigen::Matrix3d gain = innovation_m2.ldlt().solve(covariance_m2_).transpose();
+  place_E_m_ += gain * (fit.p_E_m - place_E_m_);
+  const Eigen::Matrix3d after = covariance_m2_ - gain * covariance_m2_;
+  covariance_m2_ = 0.5 * (after + after.transpose());
+}
+
+void ReferenceStation::list_candidates(const Fit& fit, const Eigen::Vector3d& claimed_E_m,
+                                       std::span<const KnownAntenna> antennas) {
+  candidates_.clear();
+  const auto is_near = [&](const Eigen::Vector3d& p_E_m) {
+    return (p_E_m - fit.p_E_m).norm() < kSearched_m;
+  };
+  for (const KnownAntenna& antenna : antennas) {
+    if (is_near(antenna.p_E_m)) {
+      candidates_.push_back({{antenna.id}, antenna.p_E_m, {}});
+    }
+  }
+  // A claim that is right is the antenna's own place.
+  if (is_near(claimed_E_m) && std::ranges::none_of(candidates_, [&](const Candidate& candidate) {
+        return (candidate.p_E_m - claimed_E_m).norm() < kSame_m;
+      })) {
+    candidates_.push_back({{}, claimed_E_m, {}});
+  }
 }
 
 void ReferenceStation::take(const GnssCorrections& corrections, const GpsTime& time,
-                            const DelayOf& delay_of, std::span<const Eigen::Vector3d> places_E_m) {
+                            const DelayOf& delay_of, std::span<const KnownAntenna> antennas) {
   std::ranges::fill(sound_, Sound{});
   carriers_agree_ = false;
   rows_.clear();
@@ -191,6 +384,7 @@ void ReferenceStation::take(const GnssCorrections& corrections, const GpsTime& t
   put_milliseconds(claimed_E_m, time);
   const auto fit = fit_code(claimed_E_m, time, delay_of);
   if (!fit) {
+    std::ranges::fill(carriers_, Carrier{});
     return;
   }
   for (const Row& row : rows_) {
@@ -203,26 +397,35 @@ void ReferenceStation::take(const GnssCorrections& corrections, const GpsTime& t
     }
   }
 
-  // The error of the claim by code: the mean of its last minute, while the claim stays.
-  const Eigen::Vector3d by_code_m = claimed_E_m - fit->p_E_m;
-  if (!corrections.moving && claimed_E_m != claimed_E_m_) {
-    averaged_epochs_ = 0.0;
+  if (!corrections.moving && claimed_E_m != claimed_E_m_) {  // perhaps another station
+    placed_ = false;
+    if (held_ && !held_->antenna) {
+      held_.reset();
+    }
+    likely_.reset();
   }
   claimed_E_m_ = claimed_E_m;
-  averaged_epochs_ = std::min(averaged_epochs_ + 1.0, kAveraged_epochs);
-  averaged_E_m_ += (by_code_m - averaged_E_m_) / averaged_epochs_;
-  claim_error_E_m_ = averaged_E_m_;
+  const double step_s = measured_ == kNever ? 0.0 : to_seconds(corrections.measured - measured_);
+  measured_ = corrections.measured;
 
-  const auto look = [&](const Eigen::Vector3d& place_E_m) {
-    if (!carriers_agree_ && (place_E_m - fit->p_E_m).norm() < kSearched_m &&
-        bears_out(place_E_m, *fit, time, delay_of)) {
-      carriers_agree_ = true;
-      claim_error_E_m_ = claimed_E_m - place_E_m;
+  list_candidates(*fit, claimed_E_m, antennas);
+  if (const Candidate* const found = borne_out(*fit, time, delay_of)) {
+    carriers_agree_ = true;
+    placed_ = true;
+    place_E_m_ = found->p_E_m;
+    covariance_m2_.setZero();
+  } else {
+    if (placed_ && corrections.moving) {
+      move_by_carriers(*fit, time, delay_of);
+    } else if (placed_) {
+      covariance_m2_.diagonal().array() += kWander_mps * kWander_mps * step_s;
     }
-  };
-  look(claimed_E_m);
-  for (const Eigen::Vector3d& place_E_m : places_E_m) {
-    look(place_E_m);
+    pull_by_code(*fit, step_s);
+  }
+  claim_error_E_m_ = claimed_E_m - place_E_m_;
+  std::ranges::fill(carriers_, Carrier{});
+  if (corrections.moving) {
+    remember_carriers(*fit, time, delay_of);
   }
 }
 

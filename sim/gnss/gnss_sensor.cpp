@@ -19,8 +19,6 @@ namespace {
 constexpr double kCepPerSigma = 1.1774;  // sqrt(2 ln 2), circular normal distribution
 /// CEP with SBAS over CEP without, u-blox 7 data sheet: 2.0 m and 2.5 m.
 constexpr double kSbasCircularShare = 0.8;
-/// A carrier tracked at less slips too often for a carrier solution.
-constexpr double kCarrierCn0_dbhz = 32.0;
 /// So long after a slip its ambiguity is known well enough again to be found.
 constexpr double kHeld_s = 2.0;
 /// A receiver that has never had a 3D fix knows its height so well, and loses it by the slope of
@@ -70,13 +68,9 @@ std::unique_ptr<DilutionModel> dilution_of(const GnssParameters& parameters) {
                                                                    : DilutionKind::geometric);
 }
 
-bool carries(const ReceivedSatellite& satellite) {
-  return satellite.direct && satellite.cn0_dbhz >= kCarrierCn0_dbhz;
-}
-
 void count(const ReceivedSatellite& satellite, bool second, CarrierCount& carriers) {
   ++carriers.used;
-  if (!carries(satellite)) {
+  if (!satellite.carries) {
     return;
   }
   ++carriers.line_of_sight;
@@ -255,7 +249,7 @@ std::optional<ReceivedCorrections> GnssSensor::received_corrections(const Epoch&
     if (station_.has(satellite->index)) {
       count(*satellite, station_.has_second(satellite->index), received.common);
       received.gps_only = received.gps_only &&
-                          (!carries(*satellite) || satellite->satellite.system == GnssSystem::gps);
+                          (!satellite->carries || satellite->satellite.system == GnssSystem::gps);
     }
   }
   received.carriers_agree = station_.carriers_agree();

@@ -49,7 +49,7 @@ namespace rigwire::sim {
 
 struct NavigationParameters {
   double code_sigma_m = 6.0;     ///< What the filter takes a pseudorange overhead for; > 0.
-  double rate_sigma_mps = 0.24;  ///< The same of a range rate; > 0.
+  double rate_sigma_mps = 0.22;  ///< The same of a range rate; > 0.
 };
 void visit(fields::Visitor& v, NavigationParameters& p);
 

@@ -9,7 +9,8 @@
 //                     assumes), common to all satellites up to its gradient, 30 .. 60 min; mapped
 //                     by 1 + 16 (0.53 - E / pi)^3, IS-GPS-200 section 20.3.3.5.2.5
 //   troposphere       0.05 m at the zenith after Saastamoinen's model, 1 / sin E; half an hour
-//   code noise        0.3 m at 45 dBHz, times 10^((45 - C/N0) / 20)
+//   code noise        0.15 m at 45 dBHz, times 10^((45 - C/N0) / 20): 1.2 m at 27 dBHz (a ZED-F9P,
+//                     which smooths, has 0.45 m at 24 to 27 dBHz, 0.04 m at 36 to 39)
 //   multipath         at the zenith 0.5 m, over sin E; minutes at rest, seconds in motion, since
 //   the
 //                     reflections change with the place: 1/tau = 1/tau_rest + speed / length
@@ -52,7 +53,7 @@ struct RangeErrorParameters {
   double ionosphere_correlation_s = 2400.0;
   double troposphere_sigma_m = 0.05;  ///< Vertical, what the model leaves.
   double troposphere_correlation_s = 1800.0;
-  double code_noise_m = 0.3;               ///< At 45 dBHz.
+  double code_noise_m = 0.15;              ///< At 45 dBHz.
   double code_noise_correlation_s = 0.5;   ///< Of the code loop.
   double multipath_sigma_m = 0.5;          ///< At the zenith.
   double multipath_correlation_s = 120.0;  ///< At rest ...

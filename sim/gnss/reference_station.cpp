@@ -31,10 +31,12 @@ constexpr double kGreatestInverseSine = 11.5;  ///< 5 degrees.
 constexpr double kMaskInverseSine = 5.76;      ///< 10 degrees: lower ones find no integers.
 /// How long errors of code stay.
 constexpr double kCodeStays_s = 120.0;
-/// What the place of a station at rest that is followed by carriers is doubted by in a second.
-constexpr double kWander_mps = 5e-3;
+/// How fast a place without integers becomes doubtful, m per sqrt(s): that of a station at rest,
+constexpr double kWander = 5e-3;
+/// and of one that moves, by what it claims of its motion alone.
+constexpr double kClaimWander = 0.2;
 /// Carriers that jump by more of their deviations do not tell a motion.
-constexpr double kJump = 5.0;
+constexpr double kJump = 4.0;
 
 /// By what the ionosphere is stronger on a satellite's first carrier than on GPS L1.
 double ionosphere_share(const GnssCorrections::Signal& signal) {
@@ -276,8 +278,8 @@ const ReferenceStation::Candidate* ReferenceStation::borne_out(const Fit& fit, c
 }
 
 /// Carries the place of the filter on by what the carriers say of the station's motion since the
-/// epoch before.
-void ReferenceStation::move_by_carriers(const Fit& fit, const GpsTime& time,
+/// epoch before. False where three of four do not agree on one.
+bool ReferenceStation::move_by_carriers(const Fit& fit, const GpsTime& time,
                                         const DelayOf& delay_of) {
   struct Change {
     Eigen::Vector4d line = Eigen::Vector4d::Zero();
@@ -295,7 +297,8 @@ void ReferenceStation::move_by_carriers(const Fit& fit, const GpsTime& time,
       change.sigma_m = carrier_sigma_m(row.inverse_sine);
     }
   }
-  while (changes.size() > kLeastSatellites) {
+  const std::size_t most = changes.size() - changes.size() / 4;
+  while (changes.size() > kLeastSatellites && changes.size() >= most) {
     Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
     Eigen::Vector4d right = Eigen::Vector4d::Zero();
     for (const Change& change : changes) {
@@ -314,13 +317,19 @@ void ReferenceStation::move_by_carriers(const Fit& fit, const GpsTime& time,
     const auto worst = std::ranges::max_element(changes, {}, jump);
     if (jump(*worst) < kJump) {
       place_E_m_ = fit.p_E_m + solution.head<3>();
+      double squares = 0.0;
+      for (const Change& change : changes) {
+        squares += jump(change) * jump(change);
+      }
+      const double excess =
+          std::max(1.0, squares / static_cast<double>(changes.size() - kLeastSatellites));
       const Eigen::Matrix4d covariance = factors.solve(Eigen::Matrix4d::Identity());
-      covariance_m2_ += covariance.topLeftCorner<3, 3>();
-      return;
+      covariance_m2_ += excess * covariance.topLeftCorner<3, 3>();
+      return true;
     }
     changes.erase(worst);
   }
-  placed_ = false;
+  return false;
 }
 
 void ReferenceStation::remember_carriers(const Fit& fit, const GpsTime& time,
@@ -404,6 +413,7 @@ void ReferenceStation::take(const GnssCorrections& corrections, const GpsTime& t
     }
     likely_.reset();
   }
+  const Eigen::Vector3d claimed_way_m = claimed_E_m - claimed_E_m_;
   claimed_E_m_ = claimed_E_m;
   const double step_s = measured_ == kNever ? 0.0 : to_seconds(corrections.measured - measured_);
   measured_ = corrections.measured;
@@ -415,10 +425,11 @@ void ReferenceStation::take(const GnssCorrections& corrections, const GpsTime& t
     place_E_m_ = found->p_E_m;
     covariance_m2_.setZero();
   } else {
-    if (placed_ && corrections.moving) {
-      move_by_carriers(*fit, time, delay_of);
-    } else if (placed_) {
-      covariance_m2_.diagonal().array() += kWander_mps * kWander_mps * step_s;
+    if (placed_ && corrections.moving && !move_by_carriers(*fit, time, delay_of)) {
+      place_E_m_ += claimed_way_m;
+      covariance_m2_.diagonal().array() += kClaimWander * kClaimWander * step_s;
+    } else if (placed_ && !corrections.moving) {
+      covariance_m2_.diagonal().array() += kWander * kWander * step_s;
     }
     pull_by_code(*fit, step_s);
   }

@@ -18,9 +18,9 @@
 //             ratio test). Once found it is held as long as it passes. Nothing else lets an
 //             ambiguity be fixed: slipped, garbled or foreign carriers do not.
 //   floating  while no place is borne out, the station's place is the state of a filter: it goes on
-//             from the last one by what the carriers say of its motion (a station at rest does not
-//             move), and the code pulls it slowly, since the code's errors stay for minutes. Its
-//             covariance goes with it.
+//             from the last one by what the carriers say of its motion, or what it claims of it (a
+//             station at rest does not move), and the code pulls it slowly, since the code's errors
+//             stay for minutes. Its covariance goes with it.
 //
 // Ranges that are told but for whole milliseconds of light (RTCM 1001, 1003, 1009, 1011) are put
 // together by the place that the station claims, its clock within half a millisecond.
@@ -138,7 +138,7 @@ class ReferenceStation {
                        std::span<const KnownAntenna> antennas);
   [[nodiscard]] const Candidate* borne_out(const Fit& fit, const GpsTime& time,
                                            const DelayOf& delay_of);
-  void move_by_carriers(const Fit& fit, const GpsTime& time, const DelayOf& delay_of);
+  [[nodiscard]] bool move_by_carriers(const Fit& fit, const GpsTime& time, const DelayOf& delay_of);
   void remember_carriers(const Fit& fit, const GpsTime& time, const DelayOf& delay_of);
   void pull_by_code(const Fit& fit, double step_s);
 

@@ -13,8 +13,11 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kNoSignal_dbhz = -std::numeric_limits<double>::infinity();
+/// Weaker than this a carrier is lost for a carrier solution, 0.05 cycles; it can fade so far when
+/// it was kCarrierCn0_dbhz before (satellite_channels.h).
+constexpr double kCarrierLost_dbhz = 22.0;
 /// All satellites of one transmitter close by: evenly strong, wherever they seem to be.
-constexpr double kSpoofedCn0_dbhz = 47.0;
+constexpr double kSpoofedCn0_dbhz = 50.0;
 constexpr double kSpoofedFading_db = 0.3;
 
 /// Of the systems of augmentation WAAS alone offers ranges that count; EGNOS has none, the others
@@ -85,6 +88,7 @@ void SatelliteChannels::find_above_horizon(const Reception& reception, const Loc
     received.elevation_rad = std::asin(std::clamp(-received.direction_ned.z(), -1.0, 1.0));
     if (received.elevation_rad <= 0.0) {
       channel.tracker.set();
+      channel.carries = false;
       continue;
     }
     received.azimuth_rad = std::atan2(received.direction_ned.y(), received.direction_ned.x());
@@ -197,6 +201,9 @@ void SatelliteChannels::track(const Reception& reception, const GnssFaultState& 
     busy -= before ? 1U : 0U;
     received.acquired = received.tracked && !before;
     received.direct = received.direct && received.tracked;
+    received.carries = received.direct && received.cn0_dbhz >= (channel.carries ? kCarrierLost_dbhz
+                                                                                : kCarrierCn0_dbhz);
+    channel.carries = received.carries;
     received.slipped = received.acquired ||
                        (received.tracked &&
                         (received.direct != channel.direct || (channel.slips && !fault.spoofed)));

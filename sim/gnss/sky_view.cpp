@@ -1,6 +1,7 @@
 #include "sim/gnss/sky_view.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -122,9 +123,17 @@ double direct_cn0_dbhz(const SkyViewParameters& parameters, double sin_elevation
   if (!(arrival.open_share > 0.0)) {
     return -std::numeric_limits<double>::infinity();
   }
-  // By sine of elevation; foliage in dB per metre; an open share of 1/2 costs 6 dB (Parsons, 3.3).
+  // Exponentially with elevation: what an antenna takes of it (M8T on a roof). Foliage in dB per
+  // metre; an open share of 1/2 costs 6 dB (Parsons, 3.3).
+  constexpr double kRise_rad = 20.0 * kDegree;
+  const auto risen = [](double elevation_rad) {
+    return 1.0 - std::exp(-elevation_rad / kRise_rad);
+  };
+  static const double kOverhead = risen(0.5 * std::numbers::pi);
+  const double elevation_rad = std::asin(std::clamp(sin_elevation, 0.0, 1.0));
   return parameters.cn0_horizon_dbhz +
-         (parameters.cn0_zenith_dbhz - parameters.cn0_horizon_dbhz) * sin_elevation -
+         (parameters.cn0_zenith_dbhz - parameters.cn0_horizon_dbhz) * risen(elevation_rad) /
+             kOverhead -
          parameters.foliage_attenuation_dbpm * arrival.foliage_m +
          20.0 * std::log10(arrival.open_share);
 }

@@ -2,9 +2,14 @@
 //
 // C/N0 of satellite at elevation E:
 //
-//   horizon + (zenith - horizon) sin E - foliage attenuation x metres of crown + 20 log10(open
-//   share)
+//   horizon + (zenith - horizon) (1 - e^(-E / 20 deg)) / (1 - e^(-90 / 20))
+//   - foliage attenuation x metres of crown + 20 log10(open share)
 //   - loss at a reflection - jamming + fading
+//
+// With 11 and 52 dBHz these are 24, 39, 46, 49 and 51 dBHz at the middles of five bands of 15
+// degrees from the horizon up. A NEO-M8T on a roof has means of 24, 39, 46, 48 and 52 there
+// (gpsd's regression tests, ublox-neo-m8t); antennas of less gain, on the roof of a car, have 27
+// to 29, 35 to 38, 39 to 43, 43 to 46 and 44 to 48 in a town (24 and 49 dBHz here).
 //
 // Fading: sigma (1 + 2.2 (1 - sin E)), sigma from that at rest to that in motion by 1 - e^(-v / 2
 // m/s), correlated as range_errors.h says. Figures: two recordings of NEO-7Ps on drives through a
@@ -14,8 +19,7 @@
 // The open share is the part of a narrow cone around the satellite that nothing solid blocks: a
 // signal does not end at an edge like light, its Fresnel zone does (half of it blocked: 6 dB, as at
 // a knife edge; J. D. Parsons, "The Mobile Radio Propagation Channel", 2nd ed., section 3.3). With
-// one sample the edge is sharp. 38 + 10 sin E dBHz is usual for a patch antenna; foliage takes 0.5
-// to 1.5 dB/m at L1 (recalled, not measured here).
+// one sample the edge is sharp. Foliage takes 0.5 to 1.5 dB/m at L1 (recalled, not measured here).
 //
 // Tracking has a memory: a satellite is lost below the threshold and comes back when it has been
 // above threshold + hysteresis for the reacquisition time.
@@ -39,8 +43,8 @@ enum class SkySamples : unsigned char { one, four, sixteen };
 struct SkyViewParameters {
   double elevation_mask_deg = 5.0;        ///< Below it not used; [0, 90).
   double antenna_clearance_m = 0.05;      ///< Things nearer than this do not block the sky.
-  double cn0_zenith_dbhz = 48.0;          ///< Carrier-to-noise density at 90 deg of elevation ...
-  double cn0_horizon_dbhz = 38.0;         ///< ... and at 0 deg; between them with the sine.
+  double cn0_zenith_dbhz = 52.0;          ///< Carrier-to-noise density at 90 deg of elevation ...
+  double cn0_horizon_dbhz = 11.0;         ///< ... and at 0 deg.
   double cn0_threshold_dbhz = 12.0;       ///< Weaker ones are not tracked; a NEO-7P: 1 % below.
   double cn0_hysteresis_db = 2.0;         ///< So much stronger to be acquired again.
   double cn0_sigma_db = 1.0;              ///< Fading of each satellite overhead, at rest ...

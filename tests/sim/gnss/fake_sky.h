@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "sim/gnss/sky_view.h"
 #include "sim/visibility.h"
 
 namespace rigwire::sim {
@@ -36,6 +37,13 @@ class FakeSky final : public Visibility {
 inline FakeSky open_sky() {
   return FakeSky([](const Eigen::Vector3d&) { return false; });
 }
+/// An antenna on the roof of a car, with less gain overhead than one for surveying and less loss
+/// towards the horizon: two NEO-7Ps on a drive through a town.
+inline void put_car_antenna(SkyViewParameters& sky) {
+  sky.cn0_zenith_dbhz = 48.5;
+  sky.cn0_horizon_dbhz = 26.0;
+}
+
 inline FakeSky closed_sky() {
   return FakeSky([](const Eigen::Vector3d&) { return true; });
 }

@@ -226,45 +226,173 @@ TEST(RtkUnderAnOpenSky, TheFixHoldsWithEverySetOfMessages) {
   }
 }
 
+/// A machine that drives circles of 40 m at 2 m/s, and stands in between, with an antenna on each
+/// side, a metre apart.
+struct TwoAntennas {
+  LinkMotion left;
+  LinkMotion right;
+  Vector3d side_W;
+
+  explicit TwoAntennas(int second) {
+    constexpr double kRadius_m = 40.0;
+    constexpr double kSpeed_mps = 2.0;
+    constexpr int kMinute_s = 60;
+    const int part_s = second % (2 * kMinute_s);
+    const double angle = kSpeed_mps / kRadius_m * std::min(part_s, kMinute_s);
+    side_W = Vector3d(std::cos(angle), std::sin(angle), 0.0);
+    const Vector3d middle_W = kRadius_m * side_W + Vector3d(0.0, 0.0, 2.0);
+    left.X_WL.translation() = middle_W - 0.5 * side_W;
+    right.X_WL.translation() = middle_W + 0.5 * side_W;
+    if (part_s < kMinute_s) {
+      left.v_WL_W = kSpeed_mps * Vector3d(-std::sin(angle), std::cos(angle), 0.0);
+      right.v_WL_W = left.v_WL_W;
+    }
+  }
+};
+
+/// Carriers of a base that slip all the time, each by some part of a cycle; from that second on.
+void garble(GnssCorrections& corrections, RandomStream& random) {
+  for (GnssCorrections::Signal& signal : corrections.signals) {
+    signal.phase_m += random.uniform(-0.5, 0.5) * signal.wavelength_m;
+  }
+}
+
 // Before: 13 to 27 % of the time without heading, vectors of 5 to 10 m between antennas a metre
-// apart, and one of 1.58 m that was called fixed.
+// apart, and one of 1.58 m that was called fixed, with GPS alone.
 TEST(RtkUnderAnOpenSky, AMovingBaseGivesHeadingAllTheTime) {
   for (std::uint64_t seed = 1; seed <= rtk_seeds(); ++seed) {
+    const MessageSet& set = seed % 2 == 1 ? message_sets().back() : message_sets().front();
     RtkDay day(seed);
     GnssSensor base = day.receiver("left", rtk_parameters());
     GnssSensor rover = day.receiver("right", rtk_parameters());
     RtkRun run;
     for (int second = 0; second <= kTenMinutes_s + 40; ++second) {
       const SimTime now = kStart + std::chrono::seconds{second};
-      // Antennas on both sides of a machine that drives a circle, or stands for a minute.
-      const double way_s = second % 120 < 60 ? second % 120 : 60;
-      const double turn = 0.05 * way_s;
-      const Vector3d middle_W(40.0 * std::cos(turn), 40.0 * std::sin(turn), 2.0);
-      const Vector3d v_W = second % 120 < 60
-                               ? Vector3d(2.0 * Vector3d(-std::sin(turn), std::cos(turn), 0.0))
-                               : Vector3d(Vector3d::Zero());
-      const Vector3d side_W(std::cos(turn), std::sin(turn), 0.0);
-      LinkMotion left;
-      left.X_WL.translation() = middle_W - 0.5 * side_W;
-      left.v_WL_W = v_W;
-      LinkMotion right = left;
-      right.X_WL.translation() = middle_W + 0.5 * side_W;
-      GnssCommand command = RtkDay::command();
+      const TwoAntennas machine(second);
       // The rover waits for the base's epoch, as a real one does.
-      const GnssSample base_sample = base.sample(now, left, kRtkSky);
+      const GnssSample base_sample = base.sample(now, machine.left, kRtkSky);
       const Vector3d claimed_W = day.place(base_sample);
-      command.corrections = day.told(base_sample, claimed_W, true, message_sets().back());
+      GnssCommand command = RtkDay::command();
+      command.corrections = day.told(base_sample, claimed_W, true, set);
       rover.command(command);
-      const GnssSample sample = rover.sample(now, right, kRtkSky);
-      const Vector3d vector_W = day.place(sample) - claimed_W;
-      run.add(second, vector_W - side_W, sample);
+      const GnssSample sample = rover.sample(now, machine.right, kRtkSky);
+      run.add(second, day.place(sample) - claimed_W - machine.side_W, sample);
     }
     SCOPED_TRACE(seed);
-    run.print(std::to_string(seed) + " heading");
+    run.print(std::to_string(seed) + " heading " + set.name);
     ASSERT_TRUE(run.first_fix_s);
     EXPECT_GE(run.fixed.epochs, 0.99 * run.epochs) << run.losses << " losses";
     EXPECT_LT(run.fixed.worst_m, 0.1) << "a false fix";
     EXPECT_LT(run.floating.worst_level, kBeyond);
+    EXPECT_LT(run.floating.worst_upright, kBeyond);
+  }
+}
+
+// Before: the error of the base's code was put on the rover in one epoch, 0.8 to 1.6 m of it at
+// rest, with an accuracy of 0.29 m, and 5 to 10 m between the antennas of one machine.
+TEST(RtkUnderAnOpenSky, AFixThatIsLostFloatsOnFromItsPlace) {
+  constexpr int kGarbled_s = 150;  // under way
+  for (std::uint64_t seed = 1; seed <= rtk_seeds(); ++seed) {
+    for (const bool moving : {false, true}) {
+      RtkDay day(seed);
+      GnssSensor base = day.receiver("base", rtk_parameters());
+      GnssSensor rover = day.receiver("rover", rtk_parameters());
+      RandomStream random(seed, "slips");
+      RtkErrors floating;
+      std::optional<Vector3d> before_m;
+      double step_m = 0.0;
+      double shrunk_m = 0.0;
+      double accuracy_m = 0.0;
+      for (int second = 0; second < kGarbled_s + 180; ++second) {
+        const SimTime now = kStart + std::chrono::seconds{second};
+        const TwoAntennas machine(moving ? second : 60);
+        const GnssSample base_sample = base.sample(now, machine.left, kRtkSky);
+        const Vector3d claimed_W =
+            moving ? day.place(base_sample) : Vector3d(machine.left.X_WL.translation());
+        GnssCorrections corrections =
+            *day.told(base_sample, claimed_W, moving, message_sets().back());
+        if (second >= kGarbled_s) {
+          garble(corrections, random);
+        }
+        GnssCommand command = RtkDay::command();
+        command.corrections = std::make_shared<const GnssCorrections>(std::move(corrections));
+        rover.command(command);
+        const GnssSample sample = rover.sample(now, machine.right, kRtkSky);
+        const Vector3d error_m = day.place(sample) - claimed_W - machine.side_W;
+        if (second >= kGarbled_s) {
+          ASSERT_EQ(sample.carrier, CarrierSolution::floating) << second;
+          floating.add(error_m, sample);
+          shrunk_m = std::max(shrunk_m, accuracy_m - sample.horizontal_accuracy_m);
+        }
+        if (before_m && second == kGarbled_s) {
+          step_m = (error_m - *before_m).head<2>().norm();
+        }
+        before_m = error_m;
+        accuracy_m = sample.horizontal_accuracy_m;
+      }
+      SCOPED_TRACE(std::to_string(seed) + (moving ? " moving" : " at rest"));
+      if (std::getenv("RIGWIRE_RTK_SEEDS") != nullptr) {
+        std::printf(
+            "%d %s: step %.3f, level %.2f upright %.2f worst %.2f %.2f, %.2f m, hAcc %.2f\n",
+            static_cast<int>(seed), moving ? "moving" : "rest", step_m,
+            std::sqrt(floating.level_squares / floating.epochs),
+            std::sqrt(floating.upright_squares / floating.epochs), floating.worst_level,
+            floating.worst_upright, floating.worst_m, accuracy_m);
+      }
+      // What the code says of a moving base at once, a base at rest does not need.
+      EXPECT_LT(step_m, moving ? 2.5 : 0.05);
+      EXPECT_LT(floating.worst_level, kBeyond);
+      EXPECT_LT(floating.worst_upright, kBeyond);
+      EXPECT_LT(floating.worst_m, moving ? 5.0 : 1.0);
+      if (!moving) {
+        EXPECT_LE(shrunk_m, 1e-9);
+      }
+    }
+  }
+}
+
+// Before: from 0.286 m of a float to 0.083 m in the epoch that it ended, since the filter took the
+// errors of the carriers' positions for white.
+TEST(RtkUnderAnOpenSky, AccuraciesOnlyGrowWhenCorrectionsEnd) {
+  constexpr int kEnd_s = 60;
+  for (std::uint64_t seed = 1; seed <= rtk_seeds(); ++seed) {
+    RtkDay day(seed);
+    GnssSensor base = day.receiver("base", rtk_parameters());
+    GnssSensor rover = day.receiver("rover", rtk_parameters());
+    const TwoAntennas machine(60);
+    const Vector3d place_W = machine.right.X_WL.translation();
+    GnssCommand command = RtkDay::command();
+    double level_m = 0.0;
+    double upright_m = 0.0;
+    RtkErrors single;
+    for (int second = 0; second < kEnd_s + 180; ++second) {
+      const SimTime now = kStart + std::chrono::seconds{second};
+      const GnssSample base_sample = base.sample(now, machine.left, kRtkSky);
+      if (second < kEnd_s) {
+        command.corrections =
+            day.told(base_sample, machine.left.X_WL.translation(), false, message_sets().back());
+      }
+      rover.command(command);
+      const GnssSample sample = rover.sample(now, machine.right, kRtkSky);
+      if (second >= kEnd_s && second < kEnd_s + 90) {
+        EXPECT_GE(sample.horizontal_accuracy_m, level_m - 1e-9) << second;
+        EXPECT_GE(sample.vertical_accuracy_m, upright_m - 1e-9) << second;
+      }
+      if (std::getenv("RIGWIRE_RTK_SEEDS") != nullptr && seed == 1 && second % 10 == 9) {
+        std::printf("%d s: %d, hAcc %.3f vAcc %.3f\n", second, static_cast<int>(sample.carrier),
+                    sample.horizontal_accuracy_m, sample.vertical_accuracy_m);
+      }
+      level_m = sample.horizontal_accuracy_m;
+      upright_m = sample.vertical_accuracy_m;
+      if (sample.carrier == CarrierSolution::none && second > kEnd_s) {
+        single.add(day.place(sample) - place_W, sample);
+      }
+    }
+    SCOPED_TRACE(seed);
+    EXPECT_GT(single.epochs, 100);
+    EXPECT_LT(single.worst_level, kBeyond);
+    EXPECT_LT(single.worst_upright, kBeyond);
+    EXPECT_GT(level_m, 0.5) << "two minutes later";
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -31,11 +32,26 @@ TEST(SkyView, HalfTheConeHiddenCostsSixDecibel) {
   EXPECT_EQ(soft.rays, 4);
   EXPECT_DOUBLE_EQ(soft.open_share, 0.5);
   const SkyViewParameters parameters;
-  EXPECT_NEAR(direct_cn0_dbhz(parameters, 0.5, SkyArrival{}), 43.0, 1e-12);
-  EXPECT_NEAR(direct_cn0_dbhz(parameters, 0.5, soft), 43.0 - 6.0206, 1e-4);
+  const double free_dbhz = direct_cn0_dbhz(parameters, 0.5, SkyArrival{});
+  EXPECT_NEAR(direct_cn0_dbhz(parameters, 0.5, soft), free_dbhz - 6.0206, 1e-4);
   const SkyArrival sharp = sky_arrival(with(SkySamples::one), kEastHidden, kHere, edge);
   EXPECT_EQ(sharp.rays, 1);
   EXPECT_DOUBLE_EQ(sharp.open_share, 1.0);
+}
+
+// Means of a NEO-M8T on a roof (gpsd's regression tests), bands of 15 degrees. Before: 38 + 10 sin E,
+// 10 dB too strong below 15 degrees.
+TEST(SkyView, SignalsFallTowardsTheHorizonAsOnARoof) {
+  constexpr std::array kRoof_dbhz{24.0, 39.0, 46.0, 48.0, 52.0};
+  for (std::size_t i = 0; i < kRoof_dbhz.size(); ++i) {
+    const double middle_deg = 7.5 + 15.0 * static_cast<double>(i);
+    EXPECT_NEAR(direct_cn0_dbhz({}, std::sin(middle_deg * kDegree), SkyArrival{}), kRoof_dbhz[i],
+                1.6)
+        << middle_deg;
+  }
+  const SkyViewParameters parameters;
+  EXPECT_DOUBLE_EQ(direct_cn0_dbhz({}, 0.0, SkyArrival{}), parameters.cn0_horizon_dbhz);
+  EXPECT_DOUBLE_EQ(direct_cn0_dbhz({}, 1.0, SkyArrival{}), parameters.cn0_zenith_dbhz);
 }
 
 TEST(SkyView, SixteenGoOnOnlyNearEdges) {
@@ -62,7 +78,7 @@ TEST(SkyView, FoliageWeakensByTheMetre) {
   parameters.foliage_attenuation_dbpm = 1.5;
   const SkyArrival arrival = sky_arrival(parameters, wood, kHere, Eigen::Vector3d::UnitZ());
   EXPECT_DOUBLE_EQ(arrival.foliage_m, 6.0);
-  EXPECT_NEAR(direct_cn0_dbhz(parameters, 1.0, arrival), 48.0 - 9.0, 1e-12);
+  EXPECT_NEAR(direct_cn0_dbhz(parameters, 1.0, arrival), parameters.cn0_zenith_dbhz - 9.0, 1e-12);
 }
 
 TEST(SkyView, ABlockedSatelliteHasNoSignal) {

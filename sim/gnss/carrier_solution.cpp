@@ -229,7 +229,7 @@ void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& 
     if (fixed_) {
       fall(input.time);
     }
-    remembered_ = remembered_ && received.common.held >= static_cast<int>(p.least_satellites);
+    remembered_ = remembered_ && received.common.held >= kLeastForFloat;
     enough_ = kNever;
   } else if (enough_ == kNever) {
     enough_ = input.time;

@@ -144,6 +144,10 @@ void GnssSensor::select(std::span<ReceivedSatellite> received, Epoch& epoch) con
   for (ReceivedSatellite& satellite : received) {
     epoch.augmented |= satellite.tracked && satellite.satellite.system == GnssSystem::sbas &&
                        satellite.elevation_rad >= mask_rad;
+    satellite.two_bands =
+        parameters_.second_signals && has_second_carrier(satellite.satellite.system) &&
+        command_.uses_second(satellite.satellite.system) &&
+        satellite.cn0_dbhz - satellite.second_weaker_db >= parameters_.sky.cn0_threshold_dbhz;
     satellite.used = satellite.usable && command_.uses(satellite.satellite.system) &&
                      satellite.elevation_rad >= command_.minimum_elevation_rad &&
                      satellite.cn0_dbhz >= command_.minimum_cn0_dbhz;

@@ -164,9 +164,11 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const SignalArr
       std::hypot(open_multipath_m, arrival.reflection_envelope_m / std::numbers::sqrt2,
                  p.foliage_multipath_mpdb * arrival.foliage_db);
   RangeError error;
-  error.orbit_clock_m = orbit_sigma_m * arrival.shared.orbit_clock;
-  error.ionosphere_m = share.ionosphere * ionosphere_mapping(elevation) * p.ionosphere_sigma_m *
-                       arrival.shared.ionosphere;
+  error.orbit_clock_m = p.orbit_clock_sigma_m * arrival.shared.orbit_clock;
+  error.ionosphere_m =
+      ionosphere_mapping(elevation) * p.ionosphere_sigma_m * arrival.shared.ionosphere;
+  error.corrected_m = (1.0 - share.orbit_clock) * error.orbit_clock_m +
+                      (1.0 - share.ionosphere) * error.ionosphere_m;
   error.troposphere_m =
       p.troposphere_sigma_m * arrival.shared.troposphere * troposphere_mapping(elevation);
   const double carrier_noise_m = kGpsL1Wavelength_m * carrier_sigma_cycles(arrival.cn0_dbhz);

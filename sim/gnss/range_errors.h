@@ -116,6 +116,9 @@ struct RangeError {
   double rate_mps = 0.0;        ///< Of the Doppler measurement, for sigma 1: coloured model.
   double range_rate_mps = 0.0;  ///< The same by its own parameters: engine.
   double range_rate_noise_mps = 0.0;  ///< What the receiver believes of that.
+  /// What corrections, or a second band, take out of orbit, clock and ionosphere before the range
+  /// is used: in the total, not in what is measured.
+  double corrected_m = 0.0;
   double sigma_m = 1.0;  ///< 1 sigma by elevation and C/N0; knows nothing of reflections.
   /// What the engine knows of it: noise, multipath (by C/N0, too), what is the satellite's own
   /// (orbit, clock, its part of the ionosphere); and what makes its weight smaller still.
@@ -127,7 +130,7 @@ struct RangeError {
   /// troposphere.
   std::array<double, kCommonErrors> common_m{};
   [[nodiscard]] double total_m() const {
-    return orbit_clock_m + ionosphere_m + troposphere_m + local_m + detour_m;
+    return orbit_clock_m + ionosphere_m + troposphere_m + local_m + detour_m - corrected_m;
   }
 };
 

@@ -47,13 +47,14 @@ struct ReceivedSatellite {
   double cn0_dbhz = 0.0;
   double second_weaker_db = 0.0;  ///< What its second carrier has lost more than the first.
   bool tracked = false;
-  bool acquired = false;  ///< Since this epoch.
-  bool direct = false;    ///< In line of sight, not by a reflection alone.
-  bool carries = false;   ///< Its carrier is good for a carrier solution.
-  bool slipped = false;   ///< Acquired, changed between direct and reflected signal, or by crowns.
-  double held_s = 0.0;    ///< Since the carrier slipped last.
-  bool usable = false;    ///< Tracked, healthy, above the mask.
-  bool used = false;      ///< Takes part in the fix: the sensor's business.
+  bool acquired = false;   ///< Since this epoch.
+  bool direct = false;     ///< In line of sight, not by a reflection alone.
+  bool carries = false;    ///< Its carrier is good for a carrier solution.
+  bool slipped = false;    ///< Acquired, changed between direct and reflected signal, or by crowns.
+  double held_s = 0.0;     ///< Since the carrier slipped last.
+  bool two_bands = false;  ///< Its ionosphere is known by two bands: the sensor's business.
+  bool usable = false;     ///< Tracked, healthy, above the mask.
+  bool used = false;       ///< Takes part in the fix: the sensor's business.
   double residual_m = 0.0;  ///< The same: what the fix does not explain.
   RangeError error;         ///< When tracked, coloured model.
 };

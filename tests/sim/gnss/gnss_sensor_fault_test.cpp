@@ -108,7 +108,8 @@ TEST_F(FaultyGnss, AJammedBandLeavesTheOtherAlone) {
   const auto [second_db, second_count, second] = strengths(JammedBand::l2, 10.0);
   EXPECT_NEAR(second_db[0], 0.0, 0.05);
   EXPECT_NEAR(second_db[1], -10.0, 0.05);
-  EXPECT_EQ(second_count[0], second_count[1]);
+  EXPECT_GE(second_count[0], second_count[1]);
+  EXPECT_GE(second_count[1] + 2, second_count[0]) << "the lowest ones are too weak then";
   EXPECT_EQ(second.radio.jamming, 0.0);
   EXPECT_EQ(second.radio.noise_db, 0.0);
   EXPECT_EQ(second.radio.second_noise_db, 10.0);
@@ -142,7 +143,7 @@ TEST_F(FaultyGnss, ASpoofedReceiverDriftsOffWithStrongConsistentSignals) {
   EXPECT_NEAR(during.clock_drift - truth.clock_drift, 30.0 / kLightSpeed_mps, 1e-12);
   for (const SatelliteView& satellite : during.satellites) {
     EXPECT_TRUE(satellite.tracked);
-    EXPECT_NEAR(satellite.cn0_dbhz, 47.0, 2.0) << "evenly strong, also at the horizon";
+    EXPECT_NEAR(satellite.cn0_dbhz, 50.0, 2.0) << "evenly strong, also at the horizon";
     EXPECT_LT(std::abs(satellite.residual_m), 15.0);
   }
 }

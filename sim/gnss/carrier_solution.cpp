@@ -39,8 +39,8 @@ bool is_kinematic(CorrectionKind kind) {
 
 // Times to fix, see the header.
 constexpr double kShortest_s = 4.0;
-constexpr double kLongest = 1.2;  ///< Times the mean.
-constexpr double kRemembered_s = 1.0;
+constexpr double kLongestOfMean = 1.2;
+constexpr double kRemembered_s = 1.0;  ///< To fix by integers that are remembered.
 constexpr int kGammaShape = 16;
 constexpr double kSlower_m = 15e3;  ///< At this distance it takes twice as long.
 constexpr double kGpsAlone = 3.0;
@@ -163,14 +163,15 @@ void CarrierEngine::lose() {
   remembered_ = false;
 }
 
-/// From fixed to floating.
+/// Makes a fix a float that goes on from its place.
 void CarrierEngine::fall(SimTime now) {
   floating_ = now;
   fell_ = true;
   fixed_ = false;
 }
 
-/// Float: exponential convergence from start to end, or away from the fix that it was.
+/// Returns the error of a float per axis, 1 sigma: it converges exponentially from start to end, or
+/// grows from that of the fix before it.
 double CarrierEngine::float_sigma_m(SimTime now) const {
   const CorrectionParameters& p = parameters_;
   const double fade = std::exp(-to_seconds(now - floating_) / p.float_decay_s);
@@ -191,7 +192,7 @@ double CarrierEngine::drawn_convergence_s() {
   for (int i = 0; i < kGammaShape; ++i) {
     sum -= std::log(1.0 - waits_.uniform());
   }
-  return parameters_.convergence_s * std::min(kLongest, sum / kGammaShape);
+  return parameters_.convergence_s * std::min(kLongestOfMean, sum / kGammaShape);
 }
 
 /// By what arrived, and by nothing else.
@@ -229,7 +230,7 @@ void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& 
     if (fixed_) {
       fall(input.time);
     }
-    remembered_ = remembered_ && received.common.held >= kLeastForFloat;
+    remembered_ = remembered_ && received.common.can_fix(kLeastForFloat);
     enough_ = kNever;
   } else if (enough_ == kNever) {
     enough_ = input.time;

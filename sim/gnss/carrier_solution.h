@@ -15,9 +15,9 @@
 //            with corrections older than 30 s; everything with corrections older than the
 //            receiver's limit. What was fixed floats on from its place: its error grows from that
 //            of the fix to that of a float, over float_decay. Integers are remembered while four
-//            satellites or more have carriers without a slip, whose place finds those of the
-//            others, and fix again a second after what was missing is there; after slips the
-//            receiver searches anew.
+//            satellites or more, and half of those used, have carriers without a slip, whose place
+//            finds those of the others, and fix again a second after what was missing is there;
+//            after slips the receiver searches anew.
 //   assumed_rtk  the same without a base station, so not causal: corrections are assumed to arrive
 //            at an interval with a latency, from a base at a distance. No cable can be pulled but
 //            by the fault correction_outage. For receivers whose way to their corrections is not

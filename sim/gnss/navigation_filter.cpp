@@ -335,8 +335,8 @@ void NavigationFilter::apply(std::span<const NavigationSignal> signals) {
   systems_m_ += change.tail<3>();
 }
 
-/// Makes the carriers' position that of the state. What else the state is off by has in common with
-/// it only what the carriers put there.
+/// Makes the position of the state that of the carriers. Its error is then the carriers' alone: it
+/// is correlated with the other states only by what earlier positions by carriers put there.
 void NavigationFilter::go_on_from(const Position& position, const NavigationTruth& truth) {
   const Eigen::Matrix3d world_from_ned = truth.ned_from_world.transpose();
   p_W_ = truth.p_W + world_from_ned * position.error_ned_m;

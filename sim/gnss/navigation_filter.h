@@ -121,8 +121,8 @@ class NavigationFilter {
   struct Position {
     Eigen::Vector3d error_ned_m = Eigen::Vector3d::Zero();  ///< Less the truth.
     Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Ones();  ///< Infinity: nothing is said.
-    /// It is that of the carriers, in full: the filter's own is this one from now on, and no better
-    /// known. Its errors stay (NavigationCorrelation::carrier_s) and do not average out.
+    /// This is a carrier solution: the filter takes it over with its accuracy. Its errors stay
+    /// (NavigationCorrelation::carrier_s) and do not average out.
     bool by_carriers = false;
   };
   /// One epoch. `still`: the receiver takes its velocity for zero, whatever the range rates.
@@ -156,8 +156,8 @@ class NavigationFilter {
     double variance = 1.0;  ///< That the filter takes it for.
     double white = 1.0;     ///< Variance of what does not stay.
     double innovation = 0.0;
-    double stays_m = 0.0;  ///< Deviation of what stays, of a position by carriers ...
-    int axis = 0;          ///< ... in this axis of north, east, down.
+    double stays_m = 0.0;  ///< Standard deviation of what stays, of a position by carriers.
+    int axis = 0;          ///< 0 north, 1 east, 2 down: of that position.
   };
 
   void begin(const NavigationTruth& truth);

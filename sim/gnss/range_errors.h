@@ -18,7 +18,7 @@
 //                     under trees (recalled, not measured here); its carrier slips at random,
 //                     0.03 times a second for each dB: an estimate, so that under closed crowns an
 //                     RTK receiver is fixed a part of the time only (carrier_solution.h)
-//   range rate        white 15 mm/s at 45 dBHz, and 20 mm/s that stay 2.5 s at rest, 1 s in motion
+//   range rate        white 10 mm/s at 45 dBHz, and 20 mm/s that stay 2.5 s at rest, 1 s in motion
 //                     (u-blox receivers at rest show speeds of 14 to 24 mm/s)
 //   carrier           thermal noise of its loop, and 2 mm over sin E of multipath
 //   second signal     code and carrier have noise and multipath of their own, of the same size
@@ -64,7 +64,7 @@ struct RangeErrorParameters {
   /// Multipath of the crowns that a signal comes through, for each dB that they take.
   double foliage_multipath_mpdb = 0.3;
   double foliage_slips_psdb = 0.03;    ///< Of a carrier per second, for each of these dB.
-  double rate_noise_mps = 0.015;       ///< Of a range rate: white, at 45 dBHz ...
+  double rate_noise_mps = 0.01;        ///< Of a range rate: white, at 45 dBHz ...
   double carrier_multipath_m = 0.002;  ///< Of the carrier, at the zenith; over sin E.
   double rate_multipath_mps = 0.02;    ///< ... and what reflections add, seconds at rest.
 };

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
 
 #include "fields/constants.h"
 #include "sim/gnss/signal_path.h"
@@ -18,25 +17,25 @@ constexpr std::size_t kLeastSatellites = 4;
 constexpr double kContradiction_m = 30.0;
 constexpr double kSearched_m = 10.0;
 /// Places nearer to each other than this have the same integers.
-constexpr double kSame_m = 0.05;
-constexpr double kRatio = 3.0;
+constexpr double kSameIntegers_m = 0.05;
+constexpr double kIntegerRatio = 3.0;
 constexpr std::size_t kLeastDifferences = 4;
-constexpr double kNormalQuantile = 3.09;  ///< 99.9 %.
-// Standard deviations of measurements: overhead, and by what 1 / sin E goes on top.
-constexpr double kCarrier_m = 3e-3;
-constexpr double kCarrierByElevation_m = 3e-3;
-constexpr double kCode_m = 0.3;
-constexpr double kCodeByElevation_m = 0.6;
+constexpr double kIntegerQuantile = 3.09;  ///< 99.9 %.
+// Standard deviations: a constant part, and one that is multiplied by 1 / sin E.
+constexpr double kStationCarrier_m = 3e-3;
+constexpr double kStationCarrierByElevation_m = 3e-3;
+constexpr double kStationCode_m = 0.3;
+constexpr double kStationCodeByElevation_m = 0.6;
 constexpr double kGreatestInverseSine = 11.5;  ///< 5 degrees.
 constexpr double kMaskInverseSine = 5.76;      ///< 10 degrees: lower ones find no integers.
 /// How long errors of code stay.
 constexpr double kCodeStays_s = 120.0;
 /// How fast a place without integers becomes doubtful, m per sqrt(s): that of a station at rest,
-constexpr double kWander = 5e-3;
+constexpr double kStationWander = 5e-3;
 /// and of one that moves, by what it claims of its motion alone.
 constexpr double kClaimWander = 0.2;
 /// Carriers that jump by more of their deviations do not tell a motion.
-constexpr double kJump = 4.0;
+constexpr double kCarrierJump = 4.0;
 
 /// By what the ionosphere is stronger on a satellite's first carrier than on GPS L1.
 double ionosphere_share(const GnssCorrections::Signal& signal) {
@@ -55,12 +54,12 @@ Eigen::Vector3d up_at(const Eigen::Vector3d& p_E_m) {
   return Eigen::Vector3d(p_E_m.x(), p_E_m.y(), kAxisRatio * p_E_m.z()).normalized();
 }
 
-double carrier_sigma_m(double inverse_sine) {
-  return std::hypot(kCarrier_m, kCarrierByElevation_m * inverse_sine);
+double station_carrier_sigma_m(double inverse_sine) {
+  return std::hypot(kStationCarrier_m, kStationCarrierByElevation_m * inverse_sine);
 }
 
-double code_sigma_m(double inverse_sine) {
-  return std::hypot(kCode_m, kCodeByElevation_m * inverse_sine);
+double station_code_sigma_m(double inverse_sine) {
+  return std::hypot(kStationCode_m, kStationCodeByElevation_m * inverse_sine);
 }
 
 /// A place and a clock by which signals can be predicted.
@@ -133,7 +132,7 @@ std::optional<ReferenceStation::Fit> ReferenceStation::fit_code(const Eigen::Vec
             row.range_m - (path.range_m + fit.clock_m + delay.common_m +
                            ionosphere_share(*row.signal) * delay.ionosphere_m +
                            kLightSpeed_mps * (path.group_delay_s - path.satellite_clock_s));
-        const double weight = 1.0 / std::pow(code_sigma_m(row.inverse_sine), 2);
+        const double weight = 1.0 / std::pow(station_code_sigma_m(row.inverse_sine), 2);
         Eigen::Vector4d line;
         line << -path.direction_E, 1.0;
         normal += weight * line * line.transpose();
@@ -163,7 +162,7 @@ std::optional<ReferenceStation::Fit> ReferenceStation::fit_code(const Eigen::Vec
   return std::nullopt;
 }
 
-/// What code or carrier of a satellite is at a place, but for the clock there.
+/// Returns what code or carrier of a satellite is at a place, without the receiver's clock.
 double ReferenceStation::predicted_m(const Row& row, Quantity quantity, const ReceptionPoint& point,
                                      const DelayOf& delay_of) const {
   const SignalPath path = signal_path(*constellation_, row.index, point);
@@ -174,14 +173,14 @@ double ReferenceStation::predicted_m(const Row& row, Quantity quantity, const Re
                                     : common_m - ionosphere_m;
 }
 
-/// The point of reception with the clock that goes with a place.
+/// Returns a place as a point of reception, with the clock that the code has there.
 ReceptionPoint ReferenceStation::point_at(const Eigen::Vector3d& p_E_m, const Fit& fit,
                                           const GpsTime& time, const DelayOf& delay_of) const {
   const ReceptionPoint about = at(time, p_E_m, fit.clock_m);
   double sum_m = 0.0;
   double weights = 0.0;
   for (const Row& row : rows_) {
-    const double weight = 1.0 / std::pow(code_sigma_m(row.inverse_sine), 2);
+    const double weight = 1.0 / std::pow(station_code_sigma_m(row.inverse_sine), 2);
     sum_m += weight * (row.range_m - predicted_m(row, Quantity::code, about, delay_of));
     weights += weight;
   }
@@ -195,11 +194,11 @@ bool ReferenceStation::Misfit::passes() const {
   // Quantile of chi^2 by Wilson and Hilferty.
   const double n = static_cast<double>(differences);
   const double part = 2.0 / (9.0 * n);
-  return squares < n * std::pow(1.0 - part + kNormalQuantile * std::sqrt(part), 3);
+  return squares < n * std::pow(1.0 - part + kIntegerQuantile * std::sqrt(part), 3);
 }
 
-/// How far the carriers at that place are from whole wavelengths apart, system by system, whose
-/// signals have one wavelength.
+/// Returns how far the carriers at that place are from whole wavelengths apart. Signals of one
+/// system have one wavelength, so each system is looked at alone.
 ReferenceStation::Misfit ReferenceStation::misfit(const Eigen::Vector3d& p_E_m, const Fit& fit,
                                                   const GpsTime& time,
                                                   const DelayOf& delay_of) const {
@@ -219,7 +218,7 @@ ReferenceStation::Misfit ReferenceStation::misfit(const Eigen::Vector3d& p_E_m, 
       if (signal.system == system && signal.wavelength_m > 0.0 && std::isfinite(row.phase_m) &&
           row.inverse_sine < kMaskInverseSine) {
         const double off_m = row.phase_m - predicted_m(row, Quantity::carrier, point, delay_of);
-        const double sigma = carrier_sigma_m(row.inverse_sine) / signal.wavelength_m;
+        const double sigma = station_carrier_sigma_m(row.inverse_sine) / signal.wavelength_m;
         cycles.push_back({off_m / signal.wavelength_m, 1.0 / (sigma * sigma)});
       }
     }
@@ -241,8 +240,8 @@ ReferenceStation::Misfit ReferenceStation::misfit(const Eigen::Vector3d& p_E_m, 
   return misfit;
 }
 
-/// The place that is held while it passes the test, or a new one that passed it twice; nothing when
-/// there is none.
+/// Returns the place that is held while it passes the test, or a new one that passed it twice; null
+/// when there is none.
 const ReferenceStation::Candidate* ReferenceStation::borne_out(const Fit& fit, const GpsTime& time,
                                                                const DelayOf& delay_of) {
   if (held_) {
@@ -263,8 +262,8 @@ const ReferenceStation::Candidate* ReferenceStation::borne_out(const Fit& fit, c
       candidates_, {}, [](const Candidate& candidate) { return candidate.misfit.squares; });
   if (best == candidates_.end() || !best->misfit.passes() ||
       std::ranges::any_of(candidates_, [&](const Candidate& other) {
-        return (other.p_E_m - best->p_E_m).norm() > kSame_m &&
-               other.misfit.squares < kRatio * best->misfit.squares;
+        return (other.p_E_m - best->p_E_m).norm() > kSameIntegers_m &&
+               other.misfit.squares < kIntegerRatio * best->misfit.squares;
       })) {
     likely_.reset();
     return nullptr;
@@ -278,7 +277,7 @@ const ReferenceStation::Candidate* ReferenceStation::borne_out(const Fit& fit, c
 }
 
 /// Carries the place of the filter on by what the carriers say of the station's motion since the
-/// epoch before. False where three of four do not agree on one.
+/// epoch before. Returns false where less than three of four agree on a motion.
 bool ReferenceStation::move_by_carriers(const Fit& fit, const GpsTime& time,
                                         const DelayOf& delay_of) {
   struct Change {
@@ -294,7 +293,7 @@ bool ReferenceStation::move_by_carriers(const Fit& fit, const GpsTime& time,
       change.line << -signal_path(*constellation_, row.index, point).direction_E, 1.0;
       change.metres =
           row.phase_m - predicted_m(row, Quantity::carrier, point, delay_of) - before.rest_m;
-      change.sigma_m = carrier_sigma_m(row.inverse_sine);
+      change.sigma_m = station_carrier_sigma_m(row.inverse_sine);
     }
   }
   const std::size_t most = changes.size() - changes.size() / 4;
@@ -315,7 +314,7 @@ bool ReferenceStation::move_by_carriers(const Fit& fit, const GpsTime& time,
       return std::abs(change.metres - change.line.dot(solution)) / change.sigma_m;
     };
     const auto worst = std::ranges::max_element(changes, {}, jump);
-    if (jump(*worst) < kJump) {
+    if (jump(*worst) < kCarrierJump) {
       place_E_m_ = fit.p_E_m + solution.head<3>();
       double squares = 0.0;
       for (const Change& change : changes) {
@@ -343,7 +342,7 @@ void ReferenceStation::remember_carriers(const Fit& fit, const GpsTime& time,
   }
 }
 
-/// One update of the filter. Errors of code that stay for tau count for one measurement in 2 tau.
+/// Updates the filter by the code. Its errors stay for tau: the epochs of 2 tau count as one.
 void ReferenceStation::pull_by_code(const Fit& fit, double step_s) {
   if (!placed_) {
     place_E_m_ = fit.p_E_m;
@@ -372,7 +371,7 @@ void ReferenceStation::list_candidates(const Fit& fit, const Eigen::Vector3d& cl
   }
   // A claim that is right is the antenna's own place.
   if (is_near(claimed_E_m) && std::ranges::none_of(candidates_, [&](const Candidate& candidate) {
-        return (candidate.p_E_m - claimed_E_m).norm() < kSame_m;
+        return (candidate.p_E_m - claimed_E_m).norm() < kSameIntegers_m;
       })) {
     candidates_.push_back({{}, claimed_E_m, {}});
   }
@@ -406,7 +405,7 @@ void ReferenceStation::take(const GnssCorrections& corrections, const GpsTime& t
     }
   }
 
-  if (!corrections.moving && claimed_E_m != claimed_E_m_) {  // perhaps another station
+  if (!corrections.moving && claimed_E_m != claimed_E_m_) {  // this may be another station
     placed_ = false;
     if (held_ && !held_->antenna) {
       held_.reset();
@@ -429,7 +428,7 @@ void ReferenceStation::take(const GnssCorrections& corrections, const GpsTime& t
       place_E_m_ += claimed_way_m;
       covariance_m2_.diagonal().array() += kClaimWander * kClaimWander * step_s;
     } else if (placed_ && !corrections.moving) {
-      covariance_m2_.diagonal().array() += kWander * kWander * step_s;
+      covariance_m2_.diagonal().array() += kStationWander * kStationWander * step_s;
     }
     pull_by_code(*fit, step_s);
   }

@@ -80,7 +80,7 @@ class ReferenceStation {
   [[nodiscard]] bool carriers_agree() const { return carriers_agree_; }
   /// Claimed place less true place, as far as the engine would be misled.
   [[nodiscard]] const Eigen::Vector3d& claim_error_E_m() const { return claim_error_E_m_; }
-  /// How well that is known: nothing is left to know when carriers bear a place out.
+  /// Covariance of that error, earth-fixed; 0 while the carriers bear a place out.
   [[nodiscard]] const Eigen::Matrix3d& claim_covariance_m2() const { return covariance_m2_; }
 
  private:
@@ -107,7 +107,7 @@ class ReferenceStation {
     std::size_t differences = 0;
     [[nodiscard]] bool passes() const;
   };
-  /// Who the station is: an antenna's id, or nobody, who stands where it claims.
+  /// Which antenna the station is; none: it stands where it claims.
   struct Identity {
     std::optional<std::size_t> antenna;
     friend bool operator==(const Identity&, const Identity&) = default;
@@ -153,7 +153,7 @@ class ReferenceStation {
   Eigen::Vector3d claim_error_E_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d claimed_E_m_ = Eigen::Vector3d::Zero();
   SimTime measured_ = kNever;
-  // The filter.
+  // State of the filter while no place is borne out.
   bool placed_ = false;
   Eigen::Vector3d place_E_m_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2_ = Eigen::Matrix3d::Zero();

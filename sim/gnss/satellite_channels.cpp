@@ -13,8 +13,8 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kNoSignal_dbhz = -std::numeric_limits<double>::infinity();
-/// Weaker than this a carrier is lost for a carrier solution, 0.05 cycles; it can fade so far when
-/// it was kCarrierCn0_dbhz before (satellite_channels.h).
+/// A carrier that was taken up at kCarrierCn0_dbhz stays in a carrier solution down to this
+/// strength, where its noise is 0.05 cycles.
 constexpr double kCarrierLost_dbhz = 22.0;
 /// What a receiver that has two bands leaves of the ionosphere. It smooths what it finds, so its
 /// code does not become noisier: a ZED-F9P reports 0.35 m under an open sky (gpsd's regression

@@ -123,8 +123,8 @@ double direct_cn0_dbhz(const SkyViewParameters& parameters, double sin_elevation
   if (!(arrival.open_share > 0.0)) {
     return -std::numeric_limits<double>::infinity();
   }
-  // Exponentially with elevation: what an antenna takes of it (M8T on a roof). Foliage in dB per
-  // metre; an open share of 1/2 costs 6 dB (Parsons, 3.3).
+  // The gain rises exponentially with elevation (sky_view.h). Foliage takes dB per metre; an open
+  // share of 1/2 costs 6 dB (Parsons, 3.3).
   constexpr double kRise_rad = 20.0 * kDegree;
   const auto risen = [](double elevation_rad) {
     return 1.0 - std::exp(-elevation_rad / kRise_rad);

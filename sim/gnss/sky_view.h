@@ -9,7 +9,7 @@
 // With 11 and 52 dBHz these are 24, 39, 46, 49 and 51 dBHz at the middles of five bands of 15
 // degrees from the horizon up. A NEO-M8T on a roof has means of 24, 39, 46, 48 and 52 there
 // (gpsd's regression tests, ublox-neo-m8t); antennas of less gain, on the roof of a car, have 27
-// to 29, 35 to 38, 39 to 43, 43 to 46 and 44 to 48 in a town (24 and 49 dBHz here).
+// to 29, 35 to 38, 39 to 43, 43 to 46 and 44 to 48 in a town (26 and 48.5 dBHz here).
 //
 // Fading: sigma (1 + 2.2 (1 - sin E)), sigma from that at rest to that in motion by 1 - e^(-v / 2
 // m/s), correlated as range_errors.h says. Figures: two recordings of NEO-7Ps on drives through a

@@ -179,7 +179,7 @@ TEST(StreetCanyon, MeanStrengthsByElevationAreThoseOfATown) {
     double least;
     double greatest;
   };
-  constexpr std::array kBands{StreetCanyonBand{26.0, 35.0}, StreetCanyonBand{34.0, 38.5},
+  constexpr std::array kBands{StreetCanyonBand{25.0, 31.0}, StreetCanyonBand{34.0, 38.5},
                               StreetCanyonBand{38.5, 43.0}, StreetCanyonBand{42.5, 46.5},
                               StreetCanyonBand{43.5, 48.5}};
   for (std::size_t i = 0; i < kBands.size(); ++i) {

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -123,6 +124,10 @@ class Machine {
   /// Of its parts that are neither wheel nor drum, where they are at present: what the model itself
   /// knows of its body. For set-up: it allocates.
   [[nodiscard]] virtual std::vector<BodyPoint> body_points() const { return {}; }
+
+  /// Why it does not stay where it was put, for people: "it slides, found ..., allowed ..."; empty
+  /// when it stays. For set-up.
+  [[nodiscard]] virtual std::string unsteady_start() const { return {}; }
 
   /// Where it stirs up dust at present.
   [[nodiscard]] virtual std::span<const DustEmitter> dust_emitters() const { return {}; }

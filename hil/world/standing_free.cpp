@@ -79,6 +79,9 @@ void require_on_terrain(const MachineConfiguration& configuration,
 
 void require_standing_free(const MachineConfiguration& configuration, const sim::Machine& machine,
                            const sim::Ground& ground) {
+  if (const std::string trouble = machine.unsteady_start(); !trouble.empty()) {
+    throw fields::Refused("machine", "cannot stand where it is put: " + trouble);
+  }
   Deepest deepest;
   for (const sim::BodyPoint& point : machine.body_points()) {
     deepest.look(ground, point.body, point.p_W);

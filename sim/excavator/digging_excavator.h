@@ -50,6 +50,7 @@ class DiggingExcavator final : public Machine {
   }
   /// The excavator's, and the ends of the bucket's lip.
   [[nodiscard]] std::vector<BodyPoint> body_points() const override;
+  [[nodiscard]] std::string unsteady_start() const override { return excavator_.unsteady_start(); }
   [[nodiscard]] const ContactReport* contact_report() const override {
     return excavator_.contact_report();
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -46,6 +47,40 @@ const Eigen::Isometry3d& rigid(const Eigen::Isometry3d& X_WC) {
   return X_WC;
 }
 
+/// An upright pose on a moving carrier leans as the ground does under its wheels or its tracks'
+/// ends; a pose that leans already is taken as it is. Height counts from the terrain at the origin.
+Eigen::Isometry3d laid_on_ground(const ExcavatorParameters& parameters,
+                                 const Eigen::Isometry3d& X_WC, const Ground* ground) {
+  if (ground == nullptr || parameters.carrier != ExcavatorCarrier::moving ||
+      !rigid(X_WC).linear().col(2).isApprox(Eigen::Vector3d::UnitZ(), 1e-9)) {
+    return rigid(X_WC);
+  }
+  const bool tracks = parameters.running_gear == RunningGear::tracks;
+  const double length_m = tracks ? parameters.tracks.length_m : parameters.wheels.wheelbase_m;
+  const double width_m = tracks ? parameters.tracks.gauge_m : parameters.wheels.track_m;
+  const double step_m =
+      tracks ? parameters.tracks.end_radius_m : parameters.wheels.tyre.unloaded_radius_m;
+  std::array<Eigen::Vector3d, 4> foot;  // Front left, front right, rear left, rear right.
+  for (std::size_t i = 0; i < foot.size(); ++i) {
+    foot[i] = X_WC * Eigen::Vector3d((i < 2 ? 0.5 : -0.5) * length_m,
+                                     (i % 2 == 0 ? 0.5 : -0.5) * width_m, 0.0);
+    const double ceiling_m = ground->height_m(foot[i].x(), foot[i].y()) + step_m;
+    foot[i].z() = ground->at(foot[i].x(), foot[i].y(), ceiling_m).height_m;
+  }
+  Eigen::Isometry3d laid = X_WC;
+  const Eigen::Vector3d along = foot[0] + foot[1] - foot[2] - foot[3];
+  const Eigen::Vector3d across = foot[0] + foot[2] - foot[1] - foot[3];
+  if (along.z() != 0.0 || across.z() != 0.0) {
+    laid.linear().col(0) = along.normalized();
+    laid.linear().col(2) = along.cross(across).normalized();
+    laid.linear().col(1) = laid.linear().col(2).cross(laid.linear().col(0));
+  }
+  const Eigen::Vector3d& place = X_WC.translation();
+  const double mean_m = 0.25 * (foot[0].z() + foot[1].z() + foot[2].z() + foot[3].z());
+  laid.translation().z() += mean_m - ground->height_m(place.x(), place.y());
+  return laid;
+}
+
 Eigen::Vector3d gravity_in(const Eigen::Isometry3d& X_WC, double gravity_mps2) {
   return X_WC.linear().transpose() * Eigen::Vector3d(0.0, 0.0, -gravity_mps2);
 }
@@ -54,6 +89,9 @@ Eigen::Index row(std::size_t section) {
   return static_cast<Eigen::Index>(section);
 }
 
+// Level chambers: what gears, ring and seals of the swing take of the motor's torque at relief, an
+// estimate (planetary gears of two stages lose 2 % each, a piston motor 3 % to 5 %).
+constexpr double kSwingDrag = 0.08;
 constexpr double kTipMass_kg = 1500.0;  // What the teeth move as, by which contacts are damped.
 constexpr double kCushionFloor = 0.1;   // Share of the flow left at the very end of the stroke.
 // Level quasi_static: within this time a cylinder is back where the oil it got says it is.
@@ -65,8 +103,8 @@ constexpr std::array<const char*, kArmJoints> kJointNames{"swing", "boom", "stic
 Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC,
                      const Ground* ground)
     : parameters_(validated(parameters)),
-      X_WC_(rigid(X_WC)),
-      arm_(parameters, gravity_in(X_WC, parameters.gravity_mps2)),
+      X_WC_(laid_on_ground(parameters_, X_WC, ground)),
+      arm_(parameters, gravity_in(X_WC_, parameters.gravity_mps2)),
       actuators_(excavator_actuators(parameters_)),
       spools_{Spool(parameters.swing_spool), Spool(parameters.boom_spool),
               Spool(parameters.stick_spool), Spool(parameters.bucket_spool)},
@@ -115,6 +153,9 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
   const JointVector load = arm_.dynamics().gravity_load(state_.q_rad).cwiseQuotient(pose_.lever);
   force_ = load.cwiseMax(arm_.gains.force_least).cwiseMin(arm_.gains.force_greatest);
   target_ = pose_.x;
+  // A viscous damper of the oil's mode would hold a joint without ends back for good.
+  const double swing_drag_nm = kSwingDrag * parameters.swing_displacement_m3prad *
+                               parameters.supply.swing_relief_pressure_pa;
   const JointVector friction =
       arm_.damping_for(state_.q_rad, arm_.gains.stiffness, parameters.chambers.damping_ratio);
   // A gain of m / h stops a drive's mass within one step; a million times that counts as rigid.
@@ -129,7 +170,7 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
     chambers_[i] = ActuatorChambers(
         parameters.chambers,
         {areas_[i].bottom, areas_[i].rod_side, range.length_min_m, range.length_max_m},
-        friction[row(i)]);
+        friction[row(i)], i == 0 ? swing_drag_nm : std::numeric_limits<double>::infinity());
     chambers_[i].set_pressures(port_pressures(force_[row(i)], areas_[i].bottom, areas_[i].rod_side,
                                               parameters.supply.tank_pressure_pa));
   }
@@ -158,7 +199,7 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
     if (ground == nullptr) {
       throw std::invalid_argument("excavator: carrier moving needs a ground to stand on");
     }
-    carried_.emplace(parameters, *ground, X_WC);
+    carried_.emplace(parameters, *ground, X_WC_);
     settle_on_ground();
   }
   update_links();
@@ -199,11 +240,23 @@ void Excavator::make_drives() {
 }
 
 void Excavator::settle_on_ground() {
-  constexpr double kSettle_s = 5.0;
+  // First as in syrup, so that it does not fall into its springs, then free: what cannot stand
+  // goes.
+  constexpr double kSyrup_s = 3.0;
+  constexpr double kSyrup_radps = 10.0;
+  constexpr double kFree_s = 2.0;
   constexpr double kStep_s = 2e-3;
-  for (int i = 0; i < static_cast<int>(kSettle_s / kStep_s) && !non_finite_; ++i) {
+  const Eigen::Isometry3d put = X_WC_;
+  const double kept = std::exp(-kSyrup_radps * kStep_s);
+  for (int i = 0; i < static_cast<int>(kSyrup_s / kStep_s) && !non_finite_; ++i) {
+    inner_step(kStep_s);
+    state_.v_radps *= kept;
+    carried_->set_velocity(kept * carried_->w_C(), kept * carried_->v_C());
+  }
+  for (int i = 0; i < static_cast<int>(kFree_s / kStep_s) && !non_finite_; ++i) {
     inner_step(kStep_s);
   }
+  unsteady_start_ = unsteadiness(put);
   state_.v_radps.setZero();
   acceleration_.setZero();
   position_rate_.setZero();
@@ -211,6 +264,38 @@ void Excavator::settle_on_ground() {
     drive.stop();
   }
   carried_->place(X_WC_);
+}
+
+std::string Excavator::unsteadiness(const Eigen::Isometry3d& put) const {
+  constexpr double kMostLean_rad = 5.0 / kDegrees;  // More is no sinking into soil or tyres.
+  constexpr double kMostSlide_m = 0.05;
+  constexpr double kMostTurning_radps = 0.01;
+  constexpr double kMostSliding_mps = 0.01;
+  const auto degrees = [](double cosine) {
+    return kDegrees * std::acos(std::clamp(cosine, -1.0, 1.0));
+  };
+  const Eigen::Vector3d up = put.linear().col(2);
+  const double lean_deg = degrees(up.dot(X_WC_.linear().col(2)));
+  const Eigen::Vector3d gone = X_WC_.translation() - put.translation();
+  const double slid_m = (gone - up.dot(gone) * up).norm();
+  const Eigen::Vector3d v_W = X_WC_.linear() * carried_->v_C();
+  const double sliding_mps = (v_W - up.dot(v_W) * up).norm();
+  std::array<char, 160> text{};
+  const auto say = [&text, slope_deg = degrees(up.z())](const char* what, double found,
+                                                        const char* unit, double allowed) {
+    (void)std::snprintf(text.data(), text.size(),
+                        "on ground that slopes %.1f deg it %s, found %.3g %s in the first 5 s, "
+                        "allowed %.3g %s",
+                        slope_deg, what, found, unit, allowed, unit);
+    return std::string(text.data());
+  };
+  if (lean_deg > kMostLean_rad * kDegrees || carried_->w_C().norm() > kMostTurning_radps) {
+    return say("tips over", lean_deg, "deg", kMostLean_rad * kDegrees);
+  }
+  if (slid_m > kMostSlide_m || sliding_mps > kMostSliding_mps) {
+    return say("slides", slid_m, "m", kMostSlide_m);
+  }
+  return {};
 }
 
 void Excavator::command(const ValveCommand& command) {

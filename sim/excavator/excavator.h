@@ -26,6 +26,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -54,8 +55,9 @@ class Excavator final : public Machine,
   /// valves closed, drives carrying the load. Throws std::invalid_argument as validate does, and
   /// when X_WC is not a finite rigid pose.
   /// `ground` must outlive the machine; without one nothing is in its way. With carrier moving it
-  /// must be given, and the machine first sinks into its tyres or onto its tracks from X_WC with
-  /// the arm held (5 s, before time 0).
+  /// must be given: an upright X_WC is leant as the ground under the wheels or the tracks' ends
+  /// leans, and the machine first sinks into its tyres or onto its tracks from there with the arm
+  /// held (5 s before time 0, 3 of them damped). unsteady_start() says whether it stayed.
   Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC,
             const Ground* ground = nullptr);
 
@@ -99,6 +101,9 @@ class Excavator final : public Machine,
 
   /// Boom, stick and bucket from pin to pin, the bucket to its teeth.
   [[nodiscard]] std::vector<BodyPoint> body_points() const override;
+
+  /// Of a moving carrier, which settles on its ground for 5 s before time 0: it slides or tips.
+  [[nodiscard]] std::string unsteady_start() const override { return unsteady_start_; }
 
   [[nodiscard]] ValvePort* valve_port() override { return this; }
   /// None of pumps constant.
@@ -194,6 +199,8 @@ class Excavator final : public Machine,
   ArmStep advance(double h, const DriveLaws& laws, ArmState& next);
   void make_drives();
   void settle_on_ground();
+  /// Why it does not stay where it was put, after it settled; empty when it does.
+  [[nodiscard]] std::string unsteadiness(const Eigen::Isometry3d& put) const;
   /// Takes what the solve found unless it is not finite.
   [[nodiscard]] bool accept(const ArmState& next, const ArmStep& step);
   /// The bucket's load as torques of the joints, in the pose of now.
@@ -252,6 +259,7 @@ class Excavator final : public Machine,
   std::array<LinkMotion, kLinks> links_;
   std::vector<TruthField> truth_fields_;
   std::optional<NonFinite> non_finite_;
+  std::string unsteady_start_;
   std::uint64_t refused_commands_ = 0;
 };
 

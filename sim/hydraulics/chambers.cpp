@@ -12,8 +12,12 @@ constexpr double kOutletReserve = 1.1;  // Outlet's flow over the flow of the sp
 }  // namespace
 
 ActuatorChambers::ActuatorChambers(const ChamberParameters& parameters, const ActuatorSize& size,
-                                   double friction)
-    : parameters_(parameters), size_(size), friction_(friction) {}
+                                   double friction, double friction_most)
+    : parameters_(parameters),
+      size_(size),
+      friction_(friction),
+      friction_most_(friction_most),
+      drag_(friction) {}
 
 double ActuatorChambers::force() const {
   return size_.bottom_area * pressures_.a_pa - size_.rod_side_area * pressures_.b_pa;
@@ -97,7 +101,7 @@ ImplicitForce ActuatorChambers::law(double h, double x, const ValveDemand& deman
   ease_b_ = per_b / (1.0 - per_b * flow_b_.slope);
   return {a * (pressures_.a_pa + ease_a_ * flow_a_.value) -
               b * (pressures_.b_pa + ease_b_ * flow_b_.value),
-          a * a * ease_a_ + b * b * ease_b_ + friction_};
+          a * a * ease_a_ + b * b * ease_b_ + drag_};
 }
 
 std::array<double, 2> ActuatorChambers::limits(const ValveDemand& demand, double rate) const {
@@ -107,8 +111,8 @@ std::array<double, 2> ActuatorChambers::limits(const ValveDemand& demand, double
     return demand.relief_pressure_pa +
            (std::abs(demand.flow_m3ps) + area * std::abs(rate)) / parameters_.port_conductance;
   };
-  return {a * demand.tank_pressure_pa - b * most_pa(b) - friction_ * std::abs(rate),
-          a * most_pa(a) - b * demand.tank_pressure_pa + friction_ * std::abs(rate)};
+  return {a * demand.tank_pressure_pa - b * most_pa(b) - drag_ * std::abs(rate),
+          a * most_pa(a) - b * demand.tank_pressure_pa + drag_ * std::abs(rate)};
 }
 
 double ActuatorChambers::ended_pa(double pressure_pa, const Flow& flow, double ease,
@@ -130,6 +134,8 @@ void ActuatorChambers::settle(double rate) {
   const double change_a = ended_a - pressures_.a_pa;
   const double change_b = ended_b - pressures_.b_pa;
   pressures_ = {ended_a, ended_b};
+  // The secant of the step before: never negative, so that friction only takes energy.
+  drag_ = friction_ * std::abs(rate) > friction_most_ ? friction_most_ / std::abs(rate) : friction_;
   inlet_flow_ = demand_.flow_m3ps > 0.0   ? flow_a_.value + flow_a_.slope * change_a
                 : demand_.flow_m3ps < 0.0 ? -(flow_b_.value + flow_b_.slope * change_b)
                                           : 0.0;

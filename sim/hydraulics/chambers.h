@@ -8,7 +8,9 @@
 // inlet gives the flow asked for as long as it has `inlet_drop_pa` to spend, and less by the
 // orifice law below that; the outlet lets out the flow that belongs to the speed asked for, and
 // a tenth more, as soon as it sees `outlet_drop_pa` (so that an overrunning load does not run
-// away). An orifice's flow goes with the root of the pressure drop, and linearly below 2 bar, where
+// away). The friction c u ends at a
+// greatest force, where there is one: gears and seals drag no harder however fast they go. An
+// orifice's flow goes with the root of the pressure drop, and linearly below 2 bar, where
 // the root's slope would be infinite. Check valves: no oil flows back into the supply, and a
 // chamber below tank pressure draws from the tank. A relief valve per port.
 //
@@ -21,6 +23,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include "sim/contact/bristle.h"
 #include "sim/hydraulics/parameters.h"
@@ -49,8 +52,9 @@ struct ValveDemand {
 class ActuatorChambers {
  public:
   ActuatorChambers() = default;
-  /// `friction`: c, N s/m or N m s/rad.
-  ActuatorChambers(const ChamberParameters& parameters, const ActuatorSize& size, double friction);
+  /// `friction`: c, N s/m or N m s/rad. `friction_most`: N or N m, which its force does not pass.
+  ActuatorChambers(const ChamberParameters& parameters, const ActuatorSize& size, double friction,
+                   double friction_most = std::numeric_limits<double>::infinity());
 
   void set_pressures(const PortPressures& pressures) { pressures_ = pressures; }
   [[nodiscard]] const PortPressures& pressures() const { return pressures_; }
@@ -89,6 +93,8 @@ class ActuatorChambers {
   ChamberParameters parameters_;
   ActuatorSize size_;
   double friction_ = 0.0;
+  double friction_most_ = std::numeric_limits<double>::infinity();
+  double drag_ = 0.0;  ///< Friction's force over the rate, of the step that comes.
   PortPressures pressures_;
   // Of the step between law() and settle(): pressure change = ease (flow - area u).
   Flow flow_a_;

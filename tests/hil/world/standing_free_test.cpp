@@ -68,6 +68,27 @@ TEST_F(StandingFree, a_body_in_an_obstacle_is_refused) {
       HasSubstr("starts with its body "));
 }
 
+// It was put upright, tumbled down and began on its side, metres away, with exit status 0.
+TEST_F(StandingFree, an_excavator_stands_on_the_slopes_that_hold_it_and_is_refused_elsewhere) {
+  for (const std::string rig : {"excavator_pit", "excavator_tracks"}) {
+    const auto on_ramp = [&rig](const std::string& rise, const std::string& yaw) {
+      return complaints_of(
+          std::string(RIGWIRE_SOURCE_DIR) + "/configs/rigs/" + rig + ".yaml",
+          {"machine.excavator.carrier=moving", "machine.position=[-38 m, -6 m, 0 m]",
+           "machine.yaw=" + yaw, "scene.terrain.floor_roughness=0 mm",
+           "scene.terrain.ramp_slope=" + rise});
+    };
+    for (const std::string yaw : {"0 deg", "90 deg", "180 deg"}) {
+      EXPECT_EQ(on_ramp("0.21", yaw), "") << rig << yaw;  // 12 degrees
+      EXPECT_EQ(on_ramp("0.36", yaw), "") << rig << yaw;  // 20
+    }
+    EXPECT_THAT(on_ramp("0.8", "0 deg"),
+                AllOf(HasSubstr("machine: cannot stand where it is put: on ground that slopes 38."),
+                      HasSubstr(" deg it slides, found "), HasSubstr("allowed 0.05 m")))
+        << rig;
+  }
+}
+
 TEST_F(StandingFree, a_place_beside_the_terrain_is_refused_with_its_extent) {
   const std::string pit = std::string(RIGWIRE_SOURCE_DIR) + "/configs/rigs/excavator_pit.yaml";
   EXPECT_THAT(complaints_of(pit, {"machine.position=[61 m, 0 m, 0 m]"}),

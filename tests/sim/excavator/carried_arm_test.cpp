@@ -5,6 +5,8 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <numbers>
+#include <string>
 #include <utility>
 
 #include "allocation_counter.h"
@@ -132,6 +134,71 @@ TEST(CarriedArm, RearWheelsLiftAtTheLoadOfTheClosedForm) {
     }
   }
   EXPECT_NEAR(lifts_n, expected_n, 0.06 * expected_n);
+}
+
+// A plane through the origin that rises ahead of a machine of yaw 0.
+Ground rising(double slope_rad, double friction) {
+  SoilParameters hard;
+  hard.friction = friction;
+  return Ground::plane({-std::sin(slope_rad), 0.0, std::cos(slope_rad)}, hard);
+}
+
+Eigen::Isometry3d put(double yaw_rad) {
+  Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
+  X_WC.linear() = Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()).matrix();
+  return X_WC;
+}
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+// The excavator began upright, its uphill side in the ground: thrown out, it began metres away.
+TEST(CarriedArm, BeginsLeaningAsItsGroundWhereItIsPut) {
+  for (const RunningGear gear : {RunningGear::tyres, RunningGear::tracks}) {
+    for (const double slope_deg : {10.0, 12.0, 15.0, 18.0, 20.0}) {
+      const double slope = slope_deg * kRadPerDeg;
+      const Ground ground = rising(slope, 0.8);
+      for (const double yaw_deg : {0.0, 90.0, 180.0, 270.0, 30.0}) {
+        ExcavatorParameters p = moving();
+        p.running_gear = gear;
+        const Excavator machine(p, put(yaw_deg * kRadPerDeg), &ground);
+        const std::string where = std::to_string(slope_deg) + " deg, yaw " +
+                                  std::to_string(yaw_deg) +
+                                  (gear == RunningGear::tracks ? ", tracks" : ", wheels");
+        EXPECT_EQ(machine.unsteady_start(), "") << where;
+        const Eigen::Isometry3d& X_WC = machine.link(Link::undercarriage).X_WL;
+        EXPECT_LT(X_WC.translation().norm(), 0.05) << where;
+        const Eigen::Vector3d up_W(-std::sin(slope), 0.0, std::cos(slope));
+        // On tyres the lower side is pressed in: m g h sin a / (k T^2) is 1.5 degrees at 20.
+        const double most_deg = gear == RunningGear::tracks ? 1.0 : 1.5;
+        EXPECT_LT(std::acos(std::min(1.0, up_W.dot(X_WC.linear().col(2)))), most_deg * kRadPerDeg)
+            << where;
+        const Eigen::Vector3d ahead_W = X_WC.linear().col(0);
+        const double turned_rad = std::remainder(
+            std::atan2(ahead_W.y(), ahead_W.x()) - yaw_deg * kRadPerDeg, 2.0 * std::numbers::pi);
+        EXPECT_NEAR(turned_rad, 0.0, kRadPerDeg) << where;
+      }
+    }
+  }
+}
+
+// Closed forms: it slides where tan a > mu, and tips where the weight passes its wheels.
+TEST(CarriedArm, SaysWhereItCannotStandAndWhy) {
+  for (const RunningGear gear : {RunningGear::tyres, RunningGear::tracks}) {
+    ExcavatorParameters p = moving();
+    p.running_gear = gear;
+    const auto start = [&p](double slope_rad, double friction, double yaw_rad) {
+      const Ground ground = rising(slope_rad, friction);
+      return Excavator(p, put(yaw_rad), &ground).unsteady_start();
+    };
+    for (const double yaw_rad : {0.0, 0.5 * std::numbers::pi}) {
+      EXPECT_EQ(start(std::atan(0.93 * 0.2), 0.2, yaw_rad), "");
+      const std::string slides = start(std::atan(1.07 * 0.2), 0.2, yaw_rad);
+      EXPECT_NE(slides.find("slides, found"), std::string::npos) << slides;
+      EXPECT_NE(slides.find("allowed 0.05 m"), std::string::npos) << slides;
+    }
+    const std::string tips = start(45.0 * kRadPerDeg, 1.5, 0.5 * std::numbers::pi);
+    EXPECT_NE(tips.find("slopes 45.0 deg it tips over"), std::string::npos) << tips;
+  }
 }
 
 TEST(CarriedArm, RestsOnASlopeWithoutCreep) {

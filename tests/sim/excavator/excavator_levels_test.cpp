@@ -55,6 +55,24 @@ TEST(ExcavatorLevels, SmoothMotionsAgreeAmongTheLevels) {
   EXPECT_LT((tips[3] - tips[2]).norm(), 0.2);
 }
 
+// The damper of the oil's mode held the swing of level chambers back to 7.5 rpm for good.
+TEST(ExcavatorLevels, EveryLevelSwingsAsFastAsItsOil) {
+  const ExcavatorParameters p;
+  const double expected_radps = p.swing_spool.flow_max_m3ps / p.swing_displacement_m3prad;
+  for (const ExcavatorLevel level : kLevels) {
+    Excavator machine(at_level(level), Eigen::Isometry3d::Identity());
+    machine.command(openings(1.0, 0.0, 0.0, 0.0));
+    machine.step(seconds(12));
+    ASSERT_TRUE(machine.finite());
+    EXPECT_NEAR(machine.joint_rates_radps()[0], expected_radps, 0.01 * expected_radps)
+        << static_cast<int>(level);
+    // And comes to rest: what takes the rebound out is there still.
+    machine.command(ValveCommand{});
+    machine.step(seconds(15));
+    EXPECT_LT(std::abs(machine.joint_rates_radps()[0]), 1e-3) << static_cast<int>(level);
+  }
+}
+
 TEST(ExcavatorLevels, KinematicCylindersKeepTheVolumeThatTheyWereGiven) {
   Excavator machine(at_level(ExcavatorLevel::kinematic), Eigen::Isometry3d::Identity());
   machine.command(openings(0.3, 0.4, 0.4, -0.4));

@@ -8,18 +8,18 @@ namespace rigwire::dig_cycle {
 
 struct JointControlSettings {
   /// Opening per rad of error.
-  PerJoint gain_per_rad{1.2, 4.0, 4.0, 2.5};
+  PerJoint gain_per_rad{1.2, 4.0, 4.0, 1.5};
   /// Travel that lets no oil through: added to every opening, fading out below `fine_error_rad`.
   double dead_band = 0.04;
   double fine_error_rad = 0.5 * kDegree;
   /// Largest opening, 0..1 of full travel.
-  PerJoint largest_opening{0.5, 0.8, 0.8, 0.8};
+  PerJoint largest_opening{0.8, 0.8, 0.8, 0.8};
   /// Largest change of an opening, per second.
   double slope_per_s = 3.0;
   /// Nearer than this to its stop a joint is not driven towards it.
   double stop_margin_rad = 2.0 * kDegree;
   /// From here to the margin the opening towards the stop falls to nothing.
-  double stop_approach_rad = 8.0 * kDegree;
+  double stop_approach_rad = 4.0 * kDegree;
 };
 
 class JointControl {

@@ -20,6 +20,23 @@ ArmShape arm_shape(const Machine& machine, const PerJoint& angles_rad) {
   return shape;
 }
 
+double boom_lever_m(const Machine& machine, double boom_rad) {
+  const double rod_x_m =
+      machine.boom_rod_x_m * std::cos(boom_rad) - machine.boom_rod_z_m * std::sin(boom_rad);
+  const double rod_z_m =
+      machine.boom_rod_x_m * std::sin(boom_rad) + machine.boom_rod_z_m * std::cos(boom_rad);
+  const double x_m = rod_x_m - machine.boom_base_x_m;
+  const double z_m = rod_z_m - machine.boom_base_z_m;
+  // |base x rod| over the cylinder's length.
+  return (machine.boom_base_x_m * rod_z_m - machine.boom_base_z_m * rod_x_m) / std::hypot(x_m, z_m);
+}
+
+double load_reach_m(const Machine& machine, const PerJoint& angles_rad) {
+  const double pitch_rad = angles_rad[boom] + angles_rad[stick] + angles_rad[bucket];
+  return arm_shape(machine, angles_rad).bucket_pin.x_m - machine.boom_foot_x_m +
+         machine.load_x_m * std::cos(pitch_rad) - machine.load_z_m * std::sin(pitch_rad);
+}
+
 std::optional<PerJoint> reach(const Machine& machine, PlanePoint tip, double bucket_rad) {
   // Stick and bucket, held at one angle, are one link from the stick's pin to the tip.
   const double lower_x_m = machine.stick_length_m + machine.bucket_length_m * std::cos(bucket_rad);

@@ -39,6 +39,16 @@ struct Machine {
   /// +1 where a positive opening (cylinder out, swing left) increases the angle, -1 where it
   /// decreases it: the stick's and the bucket's cylinders pull the tip in as they extend.
   PerJoint opening_sign{1.0, 1.0, -1.0, -1.0};
+  /// Pins of the boom's cylinders: on the upper structure from the boom's foot, and on the boom.
+  double boom_base_x_m = 0.55;
+  double boom_base_z_m = -0.45;
+  double boom_rod_x_m = 2.05;
+  double boom_rod_z_m = 0.60;
+  double boom_bottom_area_m2 = 0.020774;    ///< Of both cylinders, bore 115 mm.
+  double boom_rod_side_area_m2 = 0.010721;  ///< Of both, rods of 80 mm.
+  /// Where the soil's weight acts: from the bucket's pin towards the tip, and into the shell.
+  double load_x_m = 0.65;
+  double load_z_m = 0.25;
 };
 
 /// A point in the plane of the arm.
@@ -57,6 +67,11 @@ struct ArmShape {
 
 /// Where the arm is.
 [[nodiscard]] ArmShape arm_shape(const Machine& machine, const PerJoint& angles_rad);
+
+/// Lever of the boom's cylinders about the boom's foot.
+[[nodiscard]] double boom_lever_m(const Machine& machine, double boom_rad);
+/// Horizontal way from the boom's foot to the soil in the bucket.
+[[nodiscard]] double load_reach_m(const Machine& machine, const PerJoint& angles_rad);
 
 /// Boom and stick angles (the other entries: swing 0, bucket as given) that bring the tip to `tip`
 /// with the stick hanging (elbow up). Empty when out of reach or beyond a joint's stop.

@@ -82,8 +82,16 @@ const field::Setters<Options>& setters() {
        [](Options& o, auto n, auto v) {
          o.cycle.dump_azimuth_rad = number(n, v, -180, 180, "degrees, -180..180") * kDegree;
        }},
+      {"--dig-sector",
+       [](Options& o, auto n, auto v) {
+         o.cycle.dig_sector_rad = number(n, v, 0, 90, "degrees, 0..90") * kDegree;
+       }},
       {"--dig-depth", [](Options& o, auto n,
                          auto v) { o.cycle.dig_depth_m = number(n, v, 0, 1, "metres, 0..1"); }},
+      {"--truck-load",
+       [](Options& o, auto n, auto v) {
+         o.cycle.truck_load_kg = 1e3 * number(n, v, 0, 1000, "tonnes, 0..1000, 0 = for ever");
+       }},
   };
   return kSetters;
 }
@@ -118,9 +126,11 @@ fitting
 work
   --cycles N              stop after N cycles, 0 = for ever        (0)
   --duration S            stop after S seconds
-  --dig-azimuth DEG       swing angle of the face                  (0)
+  --dig-azimuth DEG       swing angle of the face's middle         (0)
+  --dig-sector DEG        dug to either side of it                 (36)
   --dump-azimuth DEG      swing angle of the truck                 (90)
-  --dig-depth M           below the ground that the lidar sees     (0.35)
+  --dig-depth M           of one pull, down to 1.2 m in all        (0.35)
+  --truck-load T          stop when the truck has so many tonnes, 0 = never  (30)
   --wait                  hold neutral while a sensor is silent, go on when it is back
 output
   --log FILE              what it believes, one JSON object per line

@@ -1,5 +1,6 @@
 #include "dig_cycle/program.h"
 
+#include <cmath>
 #include <cstdio>
 
 namespace rigwire::dig_cycle {
@@ -157,12 +158,17 @@ void Program::tend_wires() {
 void Program::work(double step_s) {
   CycleOutput output;
   if (state_ == State::working) {
-    output = cycle_.update(estimator_.belief(), surroundings_.view(), step_s);
+    View view = surroundings_.view();
+    if (valve_state_ && valve_state_->boom_bottom_pa > 0.0) {
+      view.boom_force_n = valve_state_->boom_bottom_pa * machine_.boom_bottom_area_m2 -
+                          valve_state_->boom_rod_side_pa * machine_.boom_rod_side_area_m2;
+    }
+    output = cycle_.update(estimator_.belief(), view, step_s);
     valves_.command(output.openings, true);
     if (cycle_.phase() != said_phase_) {
       said_phase_ = cycle_.phase();
       say("cycle " + std::to_string(cycle_.completed() + 1) + ": " +
-          std::string(dig_cycle::name(said_phase_)));
+          std::string(dig_cycle::name(said_phase_)) + weight_to_say());
     }
     if (valve_state_ && valve_state_->faulted && valve_state_->fault_code != kWatchdogFault) {
       return stop(exit_machine,
@@ -172,7 +178,7 @@ void Program::work(double step_s) {
       return stop(exit_machine, std::string(*cycle_.fault()));
     }
     if (cycle_.done()) {
-      return stop(exit_done, std::to_string(cycle_.completed()) + " cycles done");
+      return stop(exit_done, *cycle_.finished());
     }
   } else {
     valves_.command({}, false);
@@ -180,6 +186,15 @@ void Program::work(double step_s) {
   if (ticks_ % kTicksPerLogLine == 0) {
     log(output);
   }
+}
+
+std::string Program::weight_to_say() const {
+  const auto load_kg = cycle_.load_kg();
+  if (!load_kg || said_phase_ != Phase::swing_to_truck) {
+    return "";
+  }
+  return " with " + std::to_string(std::lround(*load_kg)) + " kg, " +
+         std::to_string(std::lround(cycle_.loaded_kg())) + " kg in the truck";
 }
 
 void Program::log(const CycleOutput& output) {
@@ -212,6 +227,8 @@ void Program::log(const CycleOutput& output) {
   line.close();
   line.number("lidar_nearest_m", surroundings_.nearest_range_m(), 3);
   line.number("ground_z_m", surroundings_.view().ground_z_m, 3);
+  line.number("load_kg", cycle_.load_kg(), 0);
+  line.number("truck_kg", cycle_.loaded_kg(), 0);
   log_.write(std::move(line).take());
 }
 

@@ -59,6 +59,8 @@ class Program {
   void work(double step_s);
   void stop(int status, const std::string& why);
   void say(const std::string& text) const;
+  /// What the bucket that goes to the truck weighs.
+  [[nodiscard]] std::string weight_to_say() const;
   /// What it believes, one JSON object per line; docs/field-program.md lists the keys. The figures
   /// are those of the wires: nothing here knows the truth.
   void log(const CycleOutput& output);

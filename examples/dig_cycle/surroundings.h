@@ -35,7 +35,7 @@ struct SurroundingsSettings {
   /// The swing is looked at from here to there, to either side.
   double obstacle_inner_rad = 8.0 * kDegree;
   double obstacle_outer_rad = 35.0 * kDegree;
-  double obstacle_below_m = 0.8;   ///< Below tip and bucket pin: the shell's depth and room.
+  double obstacle_below_m = 0.7;   ///< Below tip and bucket pin: the shell's depth and room.
   double obstacle_beyond_m = 0.5;  ///< Beyond the tip.
   std::size_t least_obstacle_points = 8;
 };

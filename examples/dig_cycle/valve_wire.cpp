@@ -19,6 +19,9 @@ constexpr std::size_t kSpoolPositionRegister = 2;
 constexpr std::size_t kSwingAngleRegister = 30;  ///< s32, 0.001 deg, high word first.
 constexpr std::size_t kSwingRateRegister = 32;   ///< s16, 0.01 deg/s.
 constexpr std::size_t kMeasurementCountRegister = 33;
+constexpr std::size_t kPortARegister = 40;  ///< u16, 0.1 bar, one per section.
+constexpr std::size_t kPortBRegister = 50;
+constexpr double kPerPressureCount_pa = 1e4;
 constexpr double kFullTravel = 1000.0;  ///< 0.1 %.
 constexpr std::chrono::milliseconds kReconnect{200};
 
@@ -53,6 +56,8 @@ ValveState read_state(const std::array<std::uint16_t, kReadRegisters>& registers
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
     state.spool[joint] = signed_value(registers[kSpoolPositionRegister + joint]) / kFullTravel;
   }
+  state.boom_bottom_pa = registers[kPortARegister + boom] * kPerPressureCount_pa;
+  state.boom_rod_side_pa = registers[kPortBRegister + boom] * kPerPressureCount_pa;
   const std::uint32_t angle = (static_cast<std::uint32_t>(registers[kSwingAngleRegister]) << 16U) |
                               registers[kSwingAngleRegister + 1];
   state.swing_rad = std::bit_cast<std::int32_t>(angle) * 0.001 * kDegree;

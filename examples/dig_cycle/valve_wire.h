@@ -31,6 +31,9 @@ struct ValveState {
   bool faulted = false;
   std::uint16_t fault_code = 0;
   PerJoint spool{};  ///< -1..1, measured.
+  /// Ports of the boom's section: cylinders' bottom and rod side. 0: not measured.
+  double boom_bottom_pa = 0.0;
+  double boom_rod_side_pa = 0.0;
   double swing_rad = 0.0;
   double swing_rate_radps = 0.0;
   /// Counts the encoder's measurements: stands still when the transducers are silent.
@@ -42,7 +45,7 @@ struct ValveState {
 inline constexpr std::size_t kWrittenRegisters = 1     // control word
                                                  + 8   // spool commands
                                                  + 1;  // heartbeat
-inline constexpr std::size_t kReadRegisters = 34;      // status 0 .. measurement count 33
+inline constexpr std::size_t kReadRegisters = 58;      // status 0 .. port B pressures 57
 inline constexpr std::uint16_t kReadAddress = 1000;
 inline constexpr std::uint16_t kWatchdogFault = 1;
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -29,6 +30,12 @@ struct FakeMachine {
     }
   }
 };
+
+View seen(double ground_m) {
+  View view;
+  view.ground_z_m = ground_m;
+  return view;
+}
 
 struct Trace {
   std::vector<Phase> phases;
@@ -58,7 +65,7 @@ Trace run(Cycle& cycle, FakeMachine& fake, const View& view, double limit_s) {
 TEST(DigCycleCycle, GoesThroughItsPhasesInOrderAndCounts) {
   FakeMachine fake;
   Cycle cycle(fake.machine, {.cycles = 2});
-  const Trace trace = run(cycle, fake, {.ground_z_m = 0.0}, 240.0);
+  const Trace trace = run(cycle, fake, seen(0.0), 240.0);
   const std::vector<Phase> one{Phase::approach,       Phase::dig,  Phase::lift,
                                Phase::swing_to_truck, Phase::dump, Phase::swing_back};
   std::vector<Phase> two = one;
@@ -75,7 +82,7 @@ TEST(DigCycleCycle, DigsBelowTheGroundThatTheLidarSees) {
   for (const double ground_m : {-0.6, 0.0, 0.5}) {
     FakeMachine fake;
     Cycle cycle(fake.machine, {.cycles = 1});
-    const Trace trace = run(cycle, fake, {.ground_z_m = ground_m}, 120.0);
+    const Trace trace = run(cycle, fake, seen(ground_m), 120.0);
     EXPECT_EQ(cycle.completed(), 1U);
     EXPECT_NEAR(trace.lowest_tip_m, ground_m - 0.35, 0.15) << ground_m;
   }
@@ -85,14 +92,14 @@ TEST(DigCycleCycle, SwingsOnlyWithTheBucketHigh) {
   FakeMachine fake;
   fake.belief.angles_rad[swing] = 0.0;
   Cycle cycle(fake.machine, {.cycles = 1});
-  const Trace trace = run(cycle, fake, {.ground_z_m = 0.0}, 120.0);
+  const Trace trace = run(cycle, fake, seen(0.0), 120.0);
   EXPECT_GT(trace.lowest_tip_while_swinging_m, 3.4);
 }
 
 TEST(DigCycleCycle, ObstacleStopsTheSwingAndItsRemovalResumesIt) {
   FakeMachine fake;
   Cycle cycle(fake.machine, {.cycles = 1});
-  View view{.ground_z_m = 0.0};
+  View view = seen(0.0);
   while (cycle.phase() != Phase::swing_to_truck || fake.belief.angles_rad[swing] < 0.5) {
     fake.move(cycle.update(fake.belief, view, kStep_s).openings);
   }
@@ -110,7 +117,7 @@ TEST(DigCycleCycle, ObstacleStopsTheSwingAndItsRemovalResumesIt) {
   EXPECT_FALSE(cycle.fault().has_value()) << "waiting is no fault";
   view.obstacle_left = false;
   view.obstacle_right = true;  // behind the motion: no reason to stop
-  (void)run(cycle, fake, {.ground_z_m = 0.0}, 120.0);
+  (void)run(cycle, fake, seen(0.0), 120.0);
   EXPECT_EQ(cycle.completed(), 1U);
 }
 
@@ -137,6 +144,62 @@ TEST(DigCycleCycle, MachineThatDoesNotFollowIsAFaultWithNeutralValves) {
   ASSERT_TRUE(cycle.fault().has_value());
   EXPECT_THAT(std::string(*cycle.fault()), ::testing::HasSubstr("approach"));
   EXPECT_EQ(cycle.update(fake.belief, {}, kStep_s).openings, PerJoint{});
+}
+
+// The bucket opened while the stick still went out, and poured its load before the truck.
+TEST(DigCycleCycle, OpensTheBucketOverTheTruckOnly) {
+  FakeMachine fake;
+  Cycle cycle(fake.machine, {.cycles = 2});
+  constexpr double kSide_m = 4.05;  // Of the truck's near side, from the swing axis.
+  while (!cycle.done() && !cycle.fault()) {
+    fake.move(cycle.update(fake.belief, seen(0.0), kStep_s).openings);
+    const PerJoint& angles = fake.belief.angles_rad;
+    const double pitch_rad = angles[boom] + angles[stick] + angles[bucket];
+    const bool loaded = cycle.phase() == Phase::swing_to_truck || cycle.phase() == Phase::dump;
+    if (loaded && pitch_rad > -160.0 * kDegree) {
+      EXPECT_GT(arm_shape(fake.machine, angles).tip.x_m, kSide_m) << pitch_rad / kDegree;
+      EXPECT_NEAR(angles[swing], 90.0 * kDegree, 5.0 * kDegree);
+    }
+  }
+  EXPECT_EQ(cycle.completed(), 2U);
+}
+
+// What the boom bears, of a bucket that weighs nothing.
+TEST(DigCycleCycle, EmptyBucketsAreNotCarriedToTheTruckAndThePitEnds) {
+  FakeMachine fake;
+  Cycle cycle(fake.machine, {.dig_sector_rad = 10.0 * kDegree});
+  View weightless = seen(0.0);
+  weightless.boom_force_n = 250e3;
+  const Trace trace = run(cycle, fake, weightless, 600.0);
+  EXPECT_EQ(std::ranges::count(trace.phases, Phase::swing_to_truck), 0);
+  EXPECT_EQ(std::ranges::count(trace.phases, Phase::dig), 3 * Lanes::kMostPoor);
+  ASSERT_TRUE(cycle.finished().has_value());
+  EXPECT_THAT(*cycle.finished(), ::testing::HasSubstr("the pit is empty"));
+}
+
+// A rock in the way ended the run, or held the bucket for ever.
+TEST(DigCycleCycle, LaneThatKeepsTheBucketOutIsLeftForTheNext) {
+  FakeMachine fake;
+  fake.belief.angles_rad[swing] = 0.0;
+  fake.belief.angles_rad[boom] = 50.0 * kDegree;
+  Cycle cycle(fake.machine, {.cycles = 1});
+  double seconds = 0.0;
+  double dug_at_rad = 0.0;
+  while (!cycle.done() && !cycle.fault() && seconds < 200.0) {
+    FakeMachine before = fake;
+    fake.move(cycle.update(fake.belief, seen(0.0), kStep_s).openings);
+    const double tip_m = arm_shape(fake.machine, fake.belief.angles_rad).tip.z_m;
+    if (std::abs(fake.belief.angles_rad[swing]) < 4.0 * kDegree && tip_m < 1.5 &&
+        tip_m < arm_shape(fake.machine, before.belief.angles_rad).tip.z_m) {
+      fake = before;  // the rock
+    }
+    if (cycle.phase() == Phase::dig) {
+      dug_at_rad = fake.belief.angles_rad[swing];
+    }
+    seconds += kStep_s;
+  }
+  EXPECT_EQ(cycle.completed(), 1U) << cycle.fault().value_or("");
+  EXPECT_NEAR(std::abs(dug_at_rad), 9.0 * kDegree, 3.0 * kDegree);
 }
 
 TEST(DigCycleCycle, RefusesADigBeyondTheArmsReach) {

@@ -314,8 +314,7 @@ void check_start(const LoadedRig& rig, RunLog* log) {
     } catch (const fields::Refused& refused) {
       problems.add(placed(refused, rig.origins));
     } catch (const std::exception& error) {
-      problems.add(
-          {rig.origins.nearest(key), key, fields::failure_text(error, what), {}, {}, {}});
+      problems.add({rig.origins.nearest(key), key, fields::failure_text(error, what), {}, {}, {}});
     }
   };
   const auto key_of = [](const std::string& section, const char* key, const std::string& file) {

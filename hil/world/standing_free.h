@@ -18,8 +18,9 @@ inline constexpr double kDeepestStart_m = 0.02;
 /// Throws fields::Refused naming `machine.position` when that is not on the terrain.
 void require_on_terrain(const MachineConfiguration& configuration, const sim::HeightField& terrain);
 
-/// Throws fields::Refused naming `machine` and why it slides or tips over, or the part that is deepest inside something, and how
-/// deep. `machine` is the configured one, at its start. Throws as load_mesh() for a shape's file.
+/// Throws fields::Refused naming `machine` and why it slides or tips over, or the part that is
+/// deepest inside something, and how deep. `machine` is the configured one, at its start. Throws as
+/// load_mesh() for a shape's file.
 void require_standing_free(const MachineConfiguration& configuration, const sim::Machine& machine,
                            const sim::Ground& ground);
 

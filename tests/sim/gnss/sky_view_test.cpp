@@ -39,8 +39,8 @@ TEST(SkyView, HalfTheConeHiddenCostsSixDecibel) {
   EXPECT_DOUBLE_EQ(sharp.open_share, 1.0);
 }
 
-// Means of a NEO-M8T on a roof (gpsd's regression tests), bands of 15 degrees. Before: 38 + 10 sin E,
-// 10 dB too strong below 15 degrees.
+// Means of a NEO-M8T on a roof (gpsd's regression tests), bands of 15 degrees. Before: 38 + 10 sin
+// E, 10 dB too strong below 15 degrees.
 TEST(SkyView, SignalsFallTowardsTheHorizonAsOnARoof) {
   constexpr std::array kRoof_dbhz{24.0, 39.0, 46.0, 48.0, 52.0};
   for (std::size_t i = 0; i < kRoof_dbhz.size(); ++i) {

@@ -175,7 +175,7 @@ struct RtkRun {
 };
 
 /// Five standard deviations: what a month of such tests does not reach.
-constexpr double kBeyond = 5.0;
+constexpr double kBeyondRtk = 5.0;
 
 // Before: the carriers of the base had to agree to 0.12 cycles rms, down to the horizon and
 // unweighted, which their own multipath there exceeded: 61 to 83 % of the time fixed.
@@ -217,10 +217,10 @@ TEST(RtkUnderAnOpenSky, TheFixHoldsWithEverySetOfMessages) {
       ASSERT_TRUE(run.first_fix_s);
       EXPECT_LE(*run.first_fix_s, i == 0 ? 31 : 11);
       EXPECT_GE(run.fixed.epochs, 0.99 * run.epochs) << run.losses << " losses";
-      EXPECT_LT(run.fixed.worst_level, kBeyond);
-      EXPECT_LT(run.fixed.worst_upright, kBeyond);
-      EXPECT_LT(run.floating.worst_level, kBeyond);
-      EXPECT_LT(run.floating.worst_upright, kBeyond);
+      EXPECT_LT(run.fixed.worst_level, kBeyondRtk);
+      EXPECT_LT(run.fixed.worst_upright, kBeyondRtk);
+      EXPECT_LT(run.floating.worst_level, kBeyondRtk);
+      EXPECT_LT(run.floating.worst_upright, kBeyondRtk);
       EXPECT_LT(run.fixed.worst_m, 0.1) << "a false fix";
     }
   }
@@ -283,8 +283,8 @@ TEST(RtkUnderAnOpenSky, AMovingBaseGivesHeadingAllTheTime) {
     ASSERT_TRUE(run.first_fix_s);
     EXPECT_GE(run.fixed.epochs, 0.99 * run.epochs) << run.losses << " losses";
     EXPECT_LT(run.fixed.worst_m, 0.1) << "a false fix";
-    EXPECT_LT(run.floating.worst_level, kBeyond);
-    EXPECT_LT(run.floating.worst_upright, kBeyond);
+    EXPECT_LT(run.floating.worst_level, kBeyondRtk);
+    EXPECT_LT(run.floating.worst_upright, kBeyondRtk);
   }
 }
 
@@ -341,8 +341,8 @@ TEST(RtkUnderAnOpenSky, AFixThatIsLostFloatsOnFromItsPlace) {
       }
       // What the code says of a moving base at once, a base at rest does not need.
       EXPECT_LT(step_m, moving ? 2.5 : 0.05);
-      EXPECT_LT(floating.worst_level, kBeyond);
-      EXPECT_LT(floating.worst_upright, kBeyond);
+      EXPECT_LT(floating.worst_level, kBeyondRtk);
+      EXPECT_LT(floating.worst_upright, kBeyondRtk);
       EXPECT_LT(floating.worst_m, moving ? 5.0 : 1.0);
       if (!moving) {
         EXPECT_LE(shrunk_m, 1e-9);
@@ -390,8 +390,8 @@ TEST(RtkUnderAnOpenSky, AccuraciesOnlyGrowWhenCorrectionsEnd) {
     }
     SCOPED_TRACE(seed);
     EXPECT_GT(single.epochs, 100);
-    EXPECT_LT(single.worst_level, kBeyond);
-    EXPECT_LT(single.worst_upright, kBeyond);
+    EXPECT_LT(single.worst_level, kBeyondRtk);
+    EXPECT_LT(single.worst_upright, kBeyondRtk);
     EXPECT_GT(level_m, 0.35) << "two minutes later";
   }
 }

@@ -267,33 +267,42 @@ void Excavator::settle_on_ground() {
 }
 
 std::string Excavator::unsteadiness(const Eigen::Isometry3d& put) const {
-  constexpr double kMostLean_rad = 5.0 / kDegrees;  // More is no sinking into soil or tyres.
-  constexpr double kMostSlide_m = 0.05;
-  constexpr double kMostTurning_radps = 0.01;
+  // What tyres and soil give is less.
+  constexpr double kMostLean_deg = 5.0;
+  constexpr double kMostSlide_m = 0.15;
   constexpr double kMostSliding_mps = 0.01;
+  constexpr double kMostTurning_degps = 0.5;
   const auto degrees = [](double cosine) {
     return kDegrees * std::acos(std::clamp(cosine, -1.0, 1.0));
   };
   const Eigen::Vector3d up = put.linear().col(2);
+  const auto along_ground = [&up](const Eigen::Vector3d& way) {
+    return (way - up.dot(way) * up).norm();
+  };
   const double lean_deg = degrees(up.dot(X_WC_.linear().col(2)));
-  const Eigen::Vector3d gone = X_WC_.translation() - put.translation();
-  const double slid_m = (gone - up.dot(gone) * up).norm();
-  const Eigen::Vector3d v_W = X_WC_.linear() * carried_->v_C();
-  const double sliding_mps = (v_W - up.dot(v_W) * up).norm();
-  std::array<char, 160> text{};
-  const auto say = [&text, slope_deg = degrees(up.z())](const char* what, double found,
-                                                        const char* unit, double allowed) {
+  const double slid_m = along_ground(X_WC_.translation() - put.translation());
+  const double sliding_mps = along_ground(X_WC_.linear() * carried_->v_C());
+  const double turning_degps = kDegrees * carried_->w_C().norm();
+  const auto say = [slope_deg = degrees(up.z())](const char* what, double found, double allowed,
+                                                 const char* unit) {
+    std::array<char, 160> text{};
     (void)std::snprintf(text.data(), text.size(),
-                        "on ground that slopes %.1f deg it %s, found %.3g %s in the first 5 s, "
+                        "on ground that slopes %.1f deg it %s, found %.3g %s after 5 s, "
                         "allowed %.3g %s",
                         slope_deg, what, found, unit, allowed, unit);
     return std::string(text.data());
   };
-  if (lean_deg > kMostLean_rad * kDegrees || carried_->w_C().norm() > kMostTurning_radps) {
-    return say("tips over", lean_deg, "deg", kMostLean_rad * kDegrees);
+  if (lean_deg > kMostLean_deg) {
+    return say("tips over", lean_deg, kMostLean_deg, "deg");
   }
-  if (slid_m > kMostSlide_m || sliding_mps > kMostSliding_mps) {
-    return say("slides", slid_m, "m", kMostSlide_m);
+  if (slid_m > kMostSlide_m) {
+    return say("slides", slid_m, kMostSlide_m, "m");
+  }
+  if (sliding_mps > kMostSliding_mps) {
+    return say("slides", sliding_mps, kMostSliding_mps, "m/s");
+  }
+  if (turning_degps > kMostTurning_degps) {
+    return say("tips over", turning_degps, kMostTurning_degps, "deg/s");
   }
   return {};
 }

@@ -70,22 +70,32 @@ TEST_F(StandingFree, a_body_in_an_obstacle_is_refused) {
 
 // It was put upright, tumbled down and began on its side, metres away, with exit status 0.
 TEST_F(StandingFree, an_excavator_stands_on_the_slopes_that_hold_it_and_is_refused_elsewhere) {
-  for (const std::string rig : {"excavator_pit", "excavator_tracks"}) {
-    const auto on_ramp = [&rig](const std::string& rise, const std::string& yaw) {
-      return complaints_of(
-          std::string(RIGWIRE_SOURCE_DIR) + "/configs/rigs/" + rig + ".yaml",
-          {"machine.excavator.carrier=moving", "machine.position=[-38 m, -6 m, 0 m]",
-           "machine.yaw=" + yaw, "scene.terrain.floor_roughness=0 mm",
-           "scene.terrain.ramp_slope=" + rise});
+  for (const std::string machine : {"excavator_ref18t", "excavator_ref18t_tracks"}) {
+    const auto on_slope = [&](const std::string& rise, const std::string& yaw) {
+      return complaints(
+          "scene:\n"
+          "  terrain: {type: level, slope: {rise: " +
+          rise +
+          "}}\n"
+          "  soils: [{name: hard, friction: 0.8}]\n"
+          "machine:\n"
+          "  include: " +
+          std::string(RIGWIRE_SOURCE_DIR) + "/configs/machines/" + machine +
+          ".yaml\n"
+          "  yaw: " +
+          yaw + "\n  excavator: {carrier: moving}\n");
     };
     for (const std::string yaw : {"0 deg", "90 deg", "180 deg"}) {
-      EXPECT_EQ(on_ramp("0.21", yaw), "") << rig << yaw;  // 12 degrees
-      EXPECT_EQ(on_ramp("0.36", yaw), "") << rig << yaw;  // 20
+      for (const std::string rise : {"0.2126", "0.3640"}) {  // 12 and 20 degrees
+        EXPECT_EQ(on_slope(rise, yaw), "") << machine << yaw;
+      }
     }
-    EXPECT_THAT(on_ramp("0.8", "0 deg"),
-                AllOf(HasSubstr("machine: cannot stand where it is put: on ground that slopes 38."),
-                      HasSubstr(" deg it slides, found "), HasSubstr("allowed 0.05 m")))
-        << rig;
+    EXPECT_EQ(on_slope("0.7", "0 deg"), "") << machine;
+    EXPECT_THAT(on_slope("0.9", "0 deg"),
+                AllOf(HasSubstr("machine: cannot stand where it is put: on ground that slopes 4"),
+                      HasSubstr("after 5 s, allowed ")))
+        << machine;
+    EXPECT_THAT(on_slope("0.65", "90 deg"), HasSubstr("tips over")) << machine;
   }
 }
 

@@ -7,7 +7,7 @@
 #include "pit_run.h"
 #include "sanitized.h"
 
-namespace rigwire::dig_cycle::test {
+namespace rigwire::dig_cycle {
 namespace {
 
 using ::testing::HasSubstr;
@@ -64,4 +64,4 @@ TEST(DigCyclePit, GoesOnToWhereThereIsSoilUntilTheTruckIsFull) {
 }
 
 }  // namespace
-}  // namespace rigwire::dig_cycle::test
+}  // namespace rigwire::dig_cycle

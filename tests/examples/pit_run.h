@@ -17,7 +17,7 @@
 #include "hil/rig/rig.h"
 #include "hil/rig/rig_configuration.h"
 
-namespace rigwire::dig_cycle::test {
+namespace rigwire::dig_cycle {
 
 class PitRun {
  public:
@@ -137,4 +137,4 @@ class PitRun {
   double most_contact_n_ = 0.0;
 };
 
-}  // namespace rigwire::dig_cycle::test
+}  // namespace rigwire::dig_cycle

@@ -53,7 +53,7 @@ class ControlServerTest : public testing::Test {
       throw std::runtime_error("no folder");
     }
     folder_ = pattern;
-    server_.emplace(server_io_, ControlEndpoint{folder_ + "/control", {}, 0}, "", desk_);
+    server_.emplace(server_io_, ControlEndpoint{folder_ + "/control", {}, 0, nullptr}, "", desk_);
     thread_.emplace(server_io_, [](const std::string& what) { ADD_FAILURE() << what; });
   }
   ~ControlServerTest() override {

@@ -10,8 +10,8 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr double kWidth_m = 0.395;
-constexpr double kDiameter_m = 1.18;
+constexpr double kTyreWidth_m = 0.395;
+constexpr double kTyreDiameter_m = 1.18;
 
 SoilParameters soft_soil(double exponent = 1.1) {
   SoilParameters soil;
@@ -24,16 +24,16 @@ SoilParameters soft_soil(double exponent = 1.1) {
 TEST(Sinkage, IsBekkersRigidWheel) {
   const SoilParameters soil = soft_soil();
   const double expected =
-      std::pow(3.0 * 2e4 / (1.9 * (kWidth_m * 2e6) * std::sqrt(kDiameter_m)), 2.0 / 3.2);
-  EXPECT_NEAR(wheel_sinkage_m(soil, 2e4, kWidth_m, kDiameter_m), expected, 1e-15);
+      std::pow(3.0 * 2e4 / (1.9 * (kTyreWidth_m * 2e6) * std::sqrt(kTyreDiameter_m)), 2.0 / 3.2);
+  EXPECT_NEAR(wheel_sinkage_m(soil, 2e4, kTyreWidth_m, kTyreDiameter_m), expected, 1e-15);
 }
 
 TEST(Sinkage, LoadAndSinkageAreInversesOfEachOther) {
   for (double n = 0.3; n <= 2.0; n += 0.1) {
     const SoilParameters soil = soft_soil(n);
     for (const double load : {1.0, 1e3, 5e4}) {
-      const double z = wheel_sinkage_m(soil, load, kWidth_m, kDiameter_m);
-      EXPECT_NEAR(wheel_load_n(soil, z, kWidth_m, kDiameter_m), load, 1e-12 * load);
+      const double z = wheel_sinkage_m(soil, load, kTyreWidth_m, kTyreDiameter_m);
+      EXPECT_NEAR(wheel_load_n(soil, z, kTyreWidth_m, kTyreDiameter_m), load, 1e-12 * load);
     }
   }
 }
@@ -44,7 +44,7 @@ TEST(Sinkage, GrowsWithTheLoadForEveryExponent) {
     const SoilParameters soil = soft_soil(n);
     double before = 0.0;
     for (double load = 1.0; load < 1e6; load *= 1.5) {
-      const double z = wheel_sinkage_m(soil, load, kWidth_m, kDiameter_m);
+      const double z = wheel_sinkage_m(soil, load, kTyreWidth_m, kTyreDiameter_m);
       EXPECT_GT(z, before) << n << ", " << load;
       before = z;
     }
@@ -54,15 +54,15 @@ TEST(Sinkage, GrowsWithTheLoadForEveryExponent) {
 TEST(Sinkage, OfAPlateCarriesItsPressure) {
   SoilParameters soil = soft_soil(0.8);
   soil.cohesion_modulus = 5e4;
-  const double z = plate_sinkage_m(soil, 1.4e5, kWidth_m);
-  EXPECT_NEAR((5e4 / kWidth_m + 2e6) * std::pow(z, 0.8), 1.4e5, 1e-6);
+  const double z = plate_sinkage_m(soil, 1.4e5, kTyreWidth_m);
+  EXPECT_NEAR((5e4 / kTyreWidth_m + 2e6) * std::pow(z, 0.8), 1.4e5, 1e-6);
 }
 
 TEST(Sinkage, IsNothingOnHardGroundOrWithoutLoad) {
-  EXPECT_EQ(wheel_sinkage_m(SoilParameters{}, 1e5, kWidth_m, kDiameter_m), 0.0);
-  EXPECT_EQ(wheel_sinkage_m(soft_soil(), 0.0, kWidth_m, kDiameter_m), 0.0);
-  EXPECT_EQ(wheel_sinkage_m(soft_soil(), -1.0, kWidth_m, kDiameter_m), 0.0);
-  EXPECT_EQ(compaction_resistance_n(SoilParameters{}, 0.1, kWidth_m), 0.0);
+  EXPECT_EQ(wheel_sinkage_m(SoilParameters{}, 1e5, kTyreWidth_m, kTyreDiameter_m), 0.0);
+  EXPECT_EQ(wheel_sinkage_m(soft_soil(), 0.0, kTyreWidth_m, kTyreDiameter_m), 0.0);
+  EXPECT_EQ(wheel_sinkage_m(soft_soil(), -1.0, kTyreWidth_m, kTyreDiameter_m), 0.0);
+  EXPECT_EQ(compaction_resistance_n(SoilParameters{}, 0.1, kTyreWidth_m), 0.0);
 }
 
 TEST(Compaction, IsTheWorkOfTheRutPerMetre) {
@@ -71,9 +71,9 @@ TEST(Compaction, IsTheWorkOfTheRutPerMetre) {
   double work = 0.0;
   const int pieces = 20'000;
   for (int i = 0; i < pieces; ++i) {
-    work += 2e6 * std::pow(0.1 * (i + 0.5) / pieces, 1.3) * kWidth_m * 0.1 / pieces;
+    work += 2e6 * std::pow(0.1 * (i + 0.5) / pieces, 1.3) * kTyreWidth_m * 0.1 / pieces;
   }
-  EXPECT_NEAR(compaction_resistance_n(soil, 0.1, kWidth_m), work, 1e-6 * work);
+  EXPECT_NEAR(compaction_resistance_n(soil, 0.1, kTyreWidth_m), work, 1e-6 * work);
 }
 
 TEST(Shear, ShareGoesOverIntoItsSeriesWithoutAStep) {
@@ -130,14 +130,14 @@ TEST(SoilParameters, BadOnesAreRefusedByName) {
 TEST(SinkageCurve, FollowsTheVirginCurveBeyondWhatWasPressed) {
   const SoilParameters soil = soft_soil();
   const double pressed = 0.06;
-  const double pressed_load = wheel_load_n(soil, pressed, kWidth_m, kDiameter_m);
-  const SinkageCurve curve(soil, kWidth_m, kDiameter_m, 1e9, pressed);
+  const double pressed_load = wheel_load_n(soil, pressed, kTyreWidth_m, kTyreDiameter_m);
+  const SinkageCurve curve(soil, kTyreWidth_m, kTyreDiameter_m, 1e9, pressed);
   for (const double load : {1.0001 * pressed_load, 2.0 * pressed_load, 10.0 * pressed_load}) {
-    EXPECT_NEAR(curve.at(load).sinkage_m, wheel_sinkage_m(soil, load, kWidth_m, kDiameter_m),
-                1e-12);
+    EXPECT_NEAR(curve.at(load).sinkage_m,
+                wheel_sinkage_m(soil, load, kTyreWidth_m, kTyreDiameter_m), 1e-12);
   }
   // Less load: Wong's line, k_u = A_u z_u on the wheel's contact.
-  const double k = kWidth_m * std::sqrt(kDiameter_m * pressed) * 5e8 * pressed;
+  const double k = kTyreWidth_m * std::sqrt(kTyreDiameter_m * pressed) * 5e8 * pressed;
   EXPECT_NEAR(curve.at(0.5 * pressed_load).sinkage_m, pressed - 0.5 * pressed_load / k, 1e-12);
   EXPECT_NEAR(curve.at(0.5 * pressed_load).slope_mpn, 1.0 / k, 1e-18);
   EXPECT_NEAR(curve.at(0.0).sinkage_m, pressed - pressed_load / k, 1e-12);
@@ -150,7 +150,7 @@ TEST(SinkageCurve, GrowsWithTheLoadFromARutThatIsNeverAboveTheGround) {
     soil.reload_growth = 0.0;  // as weak as may be
     for (const double flat_pa : {5e4, 1e9}) {
       for (const double pressed : {0.0, 1e-6, 0.05, 0.5}) {
-        const SinkageCurve curve(soil, kWidth_m, kDiameter_m, flat_pa, pressed);
+        const SinkageCurve curve(soil, kTyreWidth_m, kTyreDiameter_m, flat_pa, pressed);
         double before = curve.at(0.0).sinkage_m;
         EXPECT_GE(before, 0.0);
         for (double load = 1.0; load < 1e6; load *= 1.1) {
@@ -166,12 +166,12 @@ TEST(SinkageCurve, GrowsWithTheLoadFromARutThatIsNeverAboveTheGround) {
 
 TEST(CompactionResistance, OfASecondPassIsWhatTheFirstLeft) {
   const SoilParameters soil = soft_soil();
-  const double whole = compaction_resistance_n(soil, 0.1, kWidth_m);
-  EXPECT_EQ(compaction_resistance_n(soil, 0.1, 0.0, kWidth_m), whole);
-  EXPECT_NEAR(compaction_resistance_n(soil, 0.1, 0.06, kWidth_m),
-              whole - compaction_resistance_n(soil, 0.06, kWidth_m), 1e-9 * whole);
-  EXPECT_EQ(compaction_resistance_n(soil, 0.1, 0.1, kWidth_m), 0.0);
-  EXPECT_EQ(compaction_resistance_n(soil, 0.1, 0.2, kWidth_m), 0.0);
+  const double whole = compaction_resistance_n(soil, 0.1, kTyreWidth_m);
+  EXPECT_EQ(compaction_resistance_n(soil, 0.1, 0.0, kTyreWidth_m), whole);
+  EXPECT_NEAR(compaction_resistance_n(soil, 0.1, 0.06, kTyreWidth_m),
+              whole - compaction_resistance_n(soil, 0.06, kTyreWidth_m), 1e-9 * whole);
+  EXPECT_EQ(compaction_resistance_n(soil, 0.1, 0.1, kTyreWidth_m), 0.0);
+  EXPECT_EQ(compaction_resistance_n(soil, 0.1, 0.2, kTyreWidth_m), 0.0);
 }
 
 }  // namespace

@@ -45,6 +45,7 @@ def write_rig(folder: Path) -> Path:
 def test_a_quantity_that_the_machine_does_not_have_is_refused_with_the_nearest(rig: Rig) -> None:
     with pytest.raises(Refused, match=r"did you mean boom\?"):
         rig.wait("bom", above=1.0)
+    rig.step(0.1)
     machine = rig.read().machine
     assert machine.quantity("boom").unit == "deg"
     with pytest.raises(Refused, match=r"did you mean boom\?"):

@@ -107,7 +107,7 @@ COMMANDS = [
     (r"cgps localhost:2950", "goes on", ("gpsd",), None),
     (r"gpsd -N -n -s 19200 -S 2950 /tmp/rigwire/starfire\.1", "goes on", GATOR, None),
     (r"ubxtool -f /tmp/rigwire/gnss_left .*", "ends", ("gator_heading",), "HPG"),
-    (r"str2str -in ntrip://rover:secret@\S+ -out serial:///tmp/rigwire/gnss:115200", "goes on",
+    (r"str2str -in ntrip://rover:secret@\S+ -out serial://../tmp/rigwire/gnss:115200", "goes on",
      ("gator_rtk",), r"\[CC"),
     (r"tshark -i lo -f 'udp port 2368'", "goes on", PIT, "UDP"),
     (r"mbpoll -m tcp -p 1502 -0 -t 3 -r 0 -c 22 127\.0\.0\.1", "goes on", PIT, r"\[0\]:"),

@@ -415,8 +415,8 @@ TEST(CommandLine, described_keys_name_one_type_and_large_limits_all_their_digits
   const std::string text = rigwire("describe iso-valves").output;
   EXPECT_THAT(text, HasSubstr("type: choice, default iso-valves"));
   EXPECT_THAT(text, Not(HasSubstr("velodyne-vlp-16")));
-  EXPECT_THAT(text, Not(HasSubstr("3.21275e+08")));
-  EXPECT_THAT(rigwire("describe starfire-3000").output, HasSubstr("3600000000"));
+  EXPECT_THAT(text, Not(HasSubstr("e+0")));
+  EXPECT_THAT(rigwire("describe starfire-3000").output, HasSubstr("0 s .. 31536000 s"));
 }
 
 TEST(CommandLine, help_of_a_verb_begins_with_the_program) {

@@ -488,7 +488,7 @@ TEST(Executive, ClientsThatAskWithoutEndDoNotKeepTimeFromMovingOn) {
     settings.overrun_limit = 10s;
     const RunOutcome outcome = paced ? rig.executive.run_paced(settings, kStart + 50ms)
                                      : rig.executive.run_free(kStart + 50ms);
-    EXPECT_EQ(outcome.reached, kStart + 50ms);
+    EXPECT_GE(outcome.reached, kStart + 50ms);  // A client may come in the turn that ends it.
     EXPECT_EQ(rig.statistics.units, 5U);
     EXPECT_GT(asked, 0U) << "they are served, too";
   }

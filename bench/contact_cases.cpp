@@ -380,7 +380,8 @@ ContactSweep sweep_pit(int seeds) {
       sim::DiggingExcavator machine(parameters, configured.digging,
                                     built.machine->links().front().X_WL, ground);
       machine.step(std::chrono::milliseconds(1));
-      if (machine.contact_report()->points > 0) {
+      const sim::ContactReport& start = *machine.contact_report();
+      if (start.points > 0 || start.deepest_m > 0.0) {
         continue;  // In the truck or its heap: no rig may stand so.
       }
       sweep.thrown += swing(machine, i % 2 == 0 ? 0.8 : -0.8, 1e-3, 3.0, account) ? 1 : 0;

@@ -16,8 +16,10 @@ PerJoint JointControl::update(const PerJoint& target_rad, const PerJoint& angle_
     const double error_rad = std::clamp(target_rad[joint], lower_rad, upper_rad) - angle_rad[joint];
     const double dead_band =
         settings_.dead_band * std::clamp(error_rad / settings_.fine_error_rad, -1.0, 1.0);
-    double speed = std::clamp(error_rad * settings_.gain_per_rad[joint] + dead_band,
-                              -settings_.largest_opening[joint], settings_.largest_opening[joint]);
+    const bool curled = joint == bucket && angle_rad[joint] < settings_.curled_rad;
+    const double largest = curled ? settings_.curled_opening : settings_.largest_opening[joint];
+    double speed =
+        std::clamp(error_rad * settings_.gain_per_rad[joint] + dead_band, -largest, largest);
     const double room_rad =
         speed > 0.0 ? upper_rad - angle_rad[joint] : angle_rad[joint] - lower_rad;
     speed *= std::clamp(room_rad / settings_.stop_approach_rad, 0.0, 1.0);

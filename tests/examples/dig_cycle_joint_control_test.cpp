@@ -76,5 +76,21 @@ TEST(DigCycleJointControl, NeutralForgetsTheSlope) {
   EXPECT_LE(openings[swing], 3.0 * kDigCycleJointControlStep_s + 1e-12);
 }
 
+// Its inertial unit tells no more than 250 deg/s: what turned faster was believed 26 degrees off.
+TEST(DigCycleJointControl, ACurledBucketIsOpenedNoFasterThanItsSensorTells) {
+  JointControl control(Machine{}, {});
+  const PerJoint curled{0.0, 0.5, -1.5, -120.0 * kDegree};
+  PerJoint openings{};
+  for (int i = 0; i < 100; ++i) {
+    openings = control.update({0.0, 0.5, -1.5, 0.0}, curled, kDigCycleJointControlStep_s);
+  }
+  EXPECT_NEAR(std::abs(openings[bucket]), 0.35, 1e-12);
+  for (int i = 0; i < 100; ++i) {
+    openings = control.update({0.0, 0.5, -1.5, 0.0}, {0.0, 0.5, -1.5, -90.0 * kDegree},
+                              kDigCycleJointControlStep_s);
+  }
+  EXPECT_NEAR(std::abs(openings[bucket]), 0.8, 1e-12);
+}
+
 }  // namespace
 }  // namespace rigwire::dig_cycle

@@ -454,8 +454,9 @@ bool Parser::open_include(const Value& file, const std::string& key,
     }
     names.push_back(place.string());
   }
-  problems.add({file.where, key, "no such file: tried " + join_words(names), file.description(), "",
-                nearest_file(tried.front().string())});
+  problems.add({file.where, key,
+                fmt::format("no such file {}, tried {}", file.description(), join_words(names)), "",
+                "", nearest_file(tried.front().string())});
   return false;
 }
 

@@ -75,12 +75,12 @@ TEST_F(Files, missing_include_names_the_path_tried_and_the_near_name) {
   const std::string rig = write("rig.yaml", "main: {include: pmup.yaml}\n");
   Problems problems;
   (void)load_document(rig, problems);
-  EXPECT_THAT(complaints(problems),
-              testing::AllOf(HasSubstr(rig + ":1:17: main.include: no such file: tried " +
-                                       (folder_ / "pmup.yaml").string() + ", "),
-                             HasSubstr("configs/pmup.yaml"),
-                             HasSubstr("found \"pmup.yaml\", did you mean " +
-                                       (folder_ / "pump.yaml").string() + "?")));
+  EXPECT_THAT(
+      complaints(problems),
+      testing::AllOf(HasSubstr(rig + ":1:17: main.include: no such file \"pmup.yaml\", tried " +
+                               (folder_ / "pmup.yaml").string() + ", "),
+                     HasSubstr("configs/pmup.yaml"),
+                     HasSubstr(", did you mean " + (folder_ / "pump.yaml").string() + "?")));
 }
 
 TEST_F(Files, include_is_found_in_the_folders_of_configurations) {

@@ -69,7 +69,7 @@ class Bounds {
   [[nodiscard]] std::uint64_t current_case() const { return case_; }
   /// `now` is of a line's clock. Throws TimeIsUp when limit and kGrace have passed.
   void check(Instant now);
-  /// The same by this machine's clock alone, before a line is open.
+  /// Checks by this machine's clock alone, before a line is open. Throws TimeIsUp likewise.
   void check() const;
   /// The limit has passed: no further case begins.
   [[nodiscard]] bool passed() const { return elapsed() > limit_; }
@@ -93,11 +93,11 @@ struct LineLimits {
   std::size_t behind = 0;    ///< Behind a deadline: what the system's queue may hold.
 };
 inline constexpr std::size_t kItem_bytes = 64;
-/// Of bytes: 40 s of a line of 921600 baud.
+/// Limits of a line of bytes: 40 s of one of 921600 baud.
 inline constexpr LineLimits kByteLimits{4U << 20U, 64U << 10U};
-/// Of frames: half a million, a minute of a full bus of 1 Mbit/s.
+/// Limits of a bus: half a million frames, a minute of a full bus of 1 Mbit/s.
 inline constexpr LineLimits kFrameLimits{500'000 * kItem_bytes, 4096 * kItem_bytes};
-/// Of datagrams: two seconds of a full network of 1 Gbit/s.
+/// Limits of a UDP port: two seconds of a full network of 1 Gbit/s.
 inline constexpr LineLimits kDatagramLimits{256U << 20U, 16U << 20U};
 
 /// Each of these keeps `bounds`, and has the line's own clock. Preconditions: neither is null.

@@ -20,7 +20,7 @@ class EndpointNews final : public boost::asio::execution_context::service {
 
   explicit EndpointNews(boost::asio::execution_context& context);
 
-  /// Empty: nobody is told.
+  /// An empty listener ends the reports.
   void on_news(Listener listener) { listener_ = std::move(listener); }
   void report(const std::string& news) const {
     if (listener_) {

@@ -57,8 +57,8 @@ class KeptListener {
   int socket_ = -1;
 };
 
-/// As listen(), with the socket that `kept` has, if it has one; null: without. Address and port
-/// must be those of the server before.
+/// Listens on the socket that `kept` has; where it has none, or is null, as listen(). Address and
+/// port must be those of the server before.
 std::uint16_t listen_again(boost::asio::ip::tcp::acceptor& acceptor, KeptListener* kept,
                            std::string_view protocol, const std::string& address,
                            std::uint16_t port, bool allow_remote);

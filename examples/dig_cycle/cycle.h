@@ -84,7 +84,7 @@ class Cycle {
   /// Why the work is over: enough cycles, the truck full, the pit empty.
   [[nodiscard]] const std::optional<std::string>& finished() const { return finished_; }
   [[nodiscard]] bool done() const { return finished_.has_value(); }
-  /// Of the last bucket that was weighed, and of all that were emptied into the truck.
+  /// Mass of the last bucket that was weighed, and of all that were emptied into the truck.
   [[nodiscard]] std::optional<double> load_kg() const { return load_kg_; }
   [[nodiscard]] double loaded_kg() const { return loaded_kg_; }
   /// Set when the machine does not follow: names phase and joint.

@@ -84,6 +84,37 @@ inline bool every_row(std::string_view /*place*/, std::string_view /*model*/) {
                                                      int receivers, int seconds,
                                                      const ModelRow& wanted = every_row);
 
+/// A type of receiver as its configuration has it, and what it says of its own error, at 1 Hz over
+/// several days.
+struct ReceiverAccuracy {
+  /// "open", "wood": at rest, under crowns of 6 m over everything above 15 degrees; "deep canyon":
+  /// a street of 21 m between walls of 35 to 55 m, stop and go at 7 m/s; "campus", "forest": a lap
+  /// of the rig at 2 m/s.
+  std::string place{};
+  std::string receiver{};
+  int days = 0;
+  double fixes = 0.0;                     ///< Share of the epochs with a 2D or 3D fix.
+  double error_50_m = 0.0;                ///< Horizontal ...
+  double error_95_m = 0.0;                ///< ... of 95 % ...
+  double error_most_m = 0.0;              ///< ... and the largest.
+  double up_deviation_m = 0.0;            ///< Of 3D fixes, standard deviation.
+  double horizontal_accuracy_m = 0.0;     ///< As the receiver says it, median.
+  double vertical_over_horizontal = 0.0;  ///< Of its accuracies, median.
+  double inside_horizontal = 0.0;         ///< Share of epochs whose error is within its accuracy.
+  double inside_vertical = 0.0;           ///< The same, of 3D fixes.
+  /// Of the horizontal error in motion, after 1, 5 and 10 s.
+  double correlation_1s = 0.0;
+  double correlation_5s = 0.0;
+  double correlation_10s = 0.0;
+  double satellites = 0.0;  ///< Used, mean.
+  double rtk_fixed = 0.0;   ///< Share of the epochs.
+};
+/// `campus`, `forest`: rigs whose machines are carried along their tracks.
+[[nodiscard]] std::vector<ReceiverAccuracy> measure_accuracies(const hil::RigConfiguration& campus,
+                                                               const hil::RigConfiguration& forest,
+                                                               int days,
+                                                               const ModelRow& wanted = every_row);
+
 /// Many receivers on one core: sensors in the rig's scene and their emulators.
 struct ReceiverLoad {
   /// Errors, and which receiver's messages: "engine", "engine, raw", "engine, ZED-F9P, RAWX,

@@ -11,15 +11,13 @@
 
 #include "bench/carried_machine.h"
 #include "bench/gnss_bench.h"
+#include "bench/gnss_surroundings.h"
 #include "fields/constants.h"
 #include "hil/devices/ublox.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig.h"
 #include "hil/world/sky.h"
 #include "sim/gnss/dilution.h"
-#include "sim/random.h"
-#include "sim/samples/gnss_carriers.h"
-#include "sim/scene/scene.h"
 
 namespace rigwire::bench {
 namespace {
@@ -27,119 +25,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSpeed_mps = 2.0;
-constexpr double kBase_m = 500.0;  ///< East of the origin, under an open sky.
-
-/// A sky that is the same everywhere.
-class SameSky final : public sim::Visibility {
- public:
-  using Path = std::function<sim::SkyPath(const Vector3d&)>;
-  explicit SameSky(Path path) : path_(std::move(path)) {}
-  bool blocked(const Vector3d&, const Vector3d& direction_W, double) const override {
-    return path_(direction_W).blocked;
-  }
-  sim::SkyPath sky_path(const Vector3d&, const Vector3d& direction_W, double) const override {
-    return path_(direction_W);
-  }
-
- private:
-  Path path_;
-};
-
-/// A street of 24 m between blocks of 22 m, half as much to half as much again, some with alleys.
-class Canyon {
- public:
-  static constexpr double kDriven_mps = 7.0;
-  static constexpr int kStretch_s = 12;  ///< Driven, after as long at a light.
-
-  explicit Canyon(int seconds) {
-    constexpr double kWidth_m = 24.0;
-    constexpr double kDepth_m = 12.0;
-    constexpr double kHeight_m = 22.0;
-    sim::RandomStream random(1, "street");
-    const double end_m = kDriven_mps * seconds + 60.0;
-    for (const double side : {-1.0, 1.0}) {
-      for (double along_m = -30.0; along_m < end_m;) {
-        const double length_m = random.uniform(20.0, 60.0);
-        const double height_m = kHeight_m * random.uniform(0.5, 1.5);
-        const double alley_m = random.uniform() < 0.5 ? random.uniform(3.0, 15.0) : 0.0;
-        Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
-        X_WB.translation() << along_m + 0.5 * length_m, side * 0.5 * (kWidth_m + kDepth_m),
-            0.5 * height_m;
-        scene_.add_object(scene_.add_mesh(sim::make_box("block", {length_m, kDepth_m, height_m})),
-                          X_WB, 1.0, {.reflectance = 0.5, .label = "building"});
-        along_m += length_m + alley_m;
-      }
-    }
-  }
-
-  /// The scene as it is looked at from the antenna at that time.
-  const sim::Scene& at(SimTime time, const sim::LinkMotion& antenna) {
-    scene_.begin_slice(time, time + std::chrono::milliseconds{1}, antenna.X_WL.translation(), {});
-    return scene_;
-  }
-
- private:
-  sim::Scene scene_;
-};
-
-/// A receiver of all systems on both bands, as a ZED-F9P has them.
-sim::GnssParameters two_band_receiver(sim::GnssParameters parameters) {
-  parameters.systems = {.gps = true, .glonass = true, .galileo = true, .beidou = true};
-  parameters.sky.maximum_channels = 60;
-  parameters.second_signals = true;
-  return parameters;
-}
-
-/// A reference station of the same sky and air as a rover's, whose corrections are a second old
-/// when the rover has them.
-class Base {
- public:
-  Base(const sim::GnssParameters& rover, std::shared_ptr<const sim::Constellation> satellites,
-       const Calendar& calendar, const sim::LocalFrame& frame, std::uint64_t seed)
-      : sensor_(station(rover), std::move(satellites), calendar, frame, seed, "bench base") {
-    antenna_.X_WL.translation() << kBase_m, 0.0, 10.0;
-    const Vector3d place_E_m = frame.to_ecef(antenna_.X_WL.translation());
-    place_E_m_ = {place_E_m.x(), place_E_m.y(), place_E_m.z()};
-  }
-
-  /// What arrives: measured at the `time` before.
-  std::shared_ptr<const GnssCorrections> measure(SimTime time, bool floating_only) {
-    auto arrived = std::move(next_);
-    const GnssSample sample = sensor_.sample(time, antenna_, open_);
-    GnssCorrections corrections;
-    corrections.measured = time;
-    corrections.station_E_m = place_E_m_;
-    corrections.floating_only = floating_only;
-    for (const GnssMeasurement& m : sample.measurements) {
-      const double wavelength_m = sim::kLightSpeed_mps / carrier_hz(m.system, m.second, m.channel);
-      corrections.signals.push_back({m.system, m.number, m.second, m.pseudorange_m,
-                                     m.carrier_phase_cycles * wavelength_m, wavelength_m});
-    }
-    next_ = std::make_shared<const GnssCorrections>(std::move(corrections));
-    return arrived;
-  }
-
- private:
-  static sim::GnssParameters station(sim::GnssParameters parameters) {
-    parameters.raw_measurements = true;
-    parameters.corrections.kind = sim::CorrectionKind::none;
-    return parameters;
-  }
-
-  sim::GnssSensor sensor_;
-  sim::LinkMotion antenna_;
-  Vector3 place_E_m_;
-  SameSky open_{[](const Vector3d&) { return sim::SkyPath{}; }};
-  std::shared_ptr<const GnssCorrections> next_;
-};
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
 
 /// What one receiver after the other adds to a row.
 class Measured {
@@ -189,14 +74,14 @@ class Measured {
     row_.epoch_us = 1e6 * cpu_s_ / static_cast<double>(epochs_);
     row_.fixes = static_cast<double>(errors_.size()) / static_cast<double>(epochs_);
     row_.error_over_accuracy = squares_ / static_cast<double>(errors_.size());
-    row_.error_median_m = quantile(errors_, 0.5);
-    row_.error_95_m = quantile(errors_, 0.95);
-    row_.over_dilution_50_m = quantile(over_dilution_m_, 0.50);
-    row_.over_dilution_68_m = quantile(over_dilution_m_, 0.68);
-    row_.over_dilution_95_m = quantile(over_dilution_m_, 0.95);
-    row_.step_median_m = quantile(steps_, 0.5);
+    row_.error_median_m = quantile_of(errors_, 0.5);
+    row_.error_95_m = quantile_of(errors_, 0.95);
+    row_.over_dilution_50_m = quantile_of(over_dilution_m_, 0.50);
+    row_.over_dilution_68_m = quantile_of(over_dilution_m_, 0.68);
+    row_.over_dilution_95_m = quantile_of(over_dilution_m_, 0.95);
+    row_.step_median_m = quantile_of(steps_, 0.5);
     row_.step_correlation = covariance_ / variance_;
-    row_.dilution_ratio = quantile(ratios_, 0.5);
+    row_.dilution_ratio = quantile_of(ratios_, 0.5);
   }
 
  private:
@@ -303,9 +188,7 @@ std::vector<ModelError> measure_models(const hil::RigConfiguration& rig, int rec
     sim::LinkMotion antenna;
     antenna.X_WL.translation() << 0.0, -2.0, 2.0;
     for (int i = 0; i < seconds; ++i) {
-      const bool driven = i % (2 * Canyon::kStretch_s) >= Canyon::kStretch_s;
-      antenna.v_WL_W.x() = driven ? Canyon::kDriven_mps : 0.0;
-      antenna.X_WL.translation() += antenna.v_WL_W;
+      Canyon::drive(i, antenna);
       const SimTime time = kStart + std::chrono::seconds{i};
       epoch(time, antenna, canyon.at(time, antenna));
     }

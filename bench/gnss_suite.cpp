@@ -124,6 +124,48 @@ void model_table(std::ostream& text, nlohmann::json& json, const hil::RigConfigu
   }
 }
 
+void accuracy_table(std::ostream& text, nlohmann::json& json, const hil::RigConfiguration& rig) {
+  const hil::RigConfiguration forest =
+      hil::load_rig(hil::find_rig("unimog_forest"), {}).configuration;
+  const Table table(text, {{"place", "<12"},
+                           {"receiver", "<13"},
+                           {"days", ">5"},
+                           {"fixes", ">7"},
+                           {"50 % m", ">7"},
+                           {"95 % m", ">7"},
+                           {"most m", ">7"},
+                           {"up sd m", ">8"},
+                           {"hAcc m", ">7"},
+                           {"v/h", ">5"},
+                           {"in hAcc", ">8"},
+                           {"in vAcc", ">8"},
+                           {"1 s", ">5"},
+                           {"5 s", ">5"},
+                           {"10 s", ">5"},
+                           {"used", ">5"},
+                           {"fixed", ">7"}});
+  table.head();
+  constexpr int kDays = 20;
+  for (const ReceiverAccuracy& c : measure_accuracies(rig, forest, kDays)) {
+    json["accuracies"].push_back(table.row(
+        {word("place", c.place), word("receiver", c.receiver),
+         count("days", static_cast<std::size_t>(c.days)),
+         number("fixes", c.fixes, "{:.1f}%", 100.0), number("error_50_m", c.error_50_m, "{:.2f}"),
+         number("error_95_m", c.error_95_m, "{:.2f}"),
+         number("error_most_m", c.error_most_m, "{:.1f}"),
+         number("up_deviation_m", c.up_deviation_m, "{:.2f}"),
+         number("horizontal_accuracy_m", c.horizontal_accuracy_m, "{:.2f}"),
+         number("vertical_over_horizontal", c.vertical_over_horizontal, "{:.2f}"),
+         number("inside_horizontal", c.inside_horizontal, "{:.0f}%", 100.0),
+         number("inside_vertical", c.inside_vertical, "{:.0f}%", 100.0),
+         number("correlation_1s", c.correlation_1s, "{:.2f}"),
+         number("correlation_5s", c.correlation_5s, "{:.2f}"),
+         number("correlation_10s", c.correlation_10s, "{:.2f}"),
+         number("satellites", c.satellites, "{:.1f}"),
+         number("rtk_fixed", c.rtk_fixed, "{:.1f}%", 100.0)}));
+  }
+}
+
 void encoding_table(std::ostream& text, nlohmann::json& json) {
   const Table table(text, {{"position in", "<28"},
                            {"positions", ">9"},
@@ -187,6 +229,7 @@ nlohmann::json bench_gnss(std::ostream& text) {
   tangent_table(text, json, rig);
   sampling_table(text, json, rig);
   model_table(text, json, rig);
+  accuracy_table(text, json, rig);
   receiver_table(text, json, rig);
   encoding_table(text, json);
   lap_table(text, json, rig);

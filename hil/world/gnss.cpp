@@ -45,6 +45,7 @@ class WorldGnss final : public WorldSensor {
     }
   }
 
+  [[nodiscard]] bool looks_at_scene() const override { return !due_.empty(); }
   void slice(const WorldSlice& slice, Shelves& samples) override {
     if (due_.empty()) {
       return;

@@ -42,6 +42,13 @@ constexpr double kShortest_s = 4.0;
 constexpr double kLongestOfMean = 1.2;
 constexpr double kRemembered_s = 1.0;  ///< To fix by integers that are remembered.
 constexpr int kGammaShape = 16;
+/// Integers fail their test so often, per second and square of the share of unsound carriers beyond
+/// the usual one.
+constexpr double kFailures_ps = 12.0;
+constexpr double kUsuallyUnsound = 0.2;
+/// So many unsound carriers change nothing, however few there are: two of eight satellites of GPS
+/// fade below an open sky.
+constexpr double kAlwaysSpared = 2.0;
 constexpr double kSlower_m = 15e3;  ///< At this distance it takes twice as long.
 constexpr double kGpsAlone = 3.0;
 constexpr double kOneBand = 4.0;
@@ -129,7 +136,8 @@ CarrierEngine::CarrierEngine(const CorrectionParameters& parameters, std::uint64
                              std::string_view name)
     : parameters_(parameters),
       noise_(seed, std::string(name) + "/carrier"),
-      waits_(seed, std::string(name) + "/fixing") {
+      waits_(seed, std::string(name) + "/fixing"),
+      tests_(seed, std::string(name) + "/validation") {
   validate(parameters_);
 }
 
@@ -195,8 +203,19 @@ double CarrierEngine::drawn_convergence_s() {
   return parameters_.convergence_s * std::min(kLongestOfMean, sum / kGammaShape);
 }
 
+/// Whether the integers stand out from the next best ones: the larger the share of carriers that
+/// are not sound, the more often they do not.
+bool CarrierEngine::validated(const CarrierCount& carriers, double step_s) {
+  const double chance = tests_.uniform();
+  const int used = std::max(1, carriers.used);
+  const double usual = std::max(kUsuallyUnsound * used, kAlwaysSpared);
+  const double beyond = std::max(0.0, used - carriers.held - usual) / used;
+  return chance >= 1.0 - std::exp(-kFailures_ps * beyond * beyond * step_s);
+}
+
 /// By what arrived, and by nothing else.
-void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& output) {
+void CarrierEngine::advance_rtk(const CorrectionInput& input, double step_s,
+                                CorrectionOutput& output) {
   const CorrectionParameters& p = parameters_;
   if (!input.received) {
     return;
@@ -223,9 +242,13 @@ void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& 
   }
   const bool two_bands = received.common.two_band >= static_cast<int>(p.least_satellites);
   const double farthest_m = two_bands ? kFarthestTwoBands_m : kFarthestOneBand_m;
-  const bool fixable = received.common.can_fix(p.least_satellites) && received.carriers_agree &&
-                       !received.floating_only && age_s <= p.fixed_age_s &&
-                       received.baseline_m <= farthest_m;
+  bool fixable = received.common.can_fix(p.least_satellites) && received.carriers_agree &&
+                 !received.floating_only && age_s <= p.fixed_age_s &&
+                 received.baseline_m <= farthest_m;
+  if (fixable && !validated(received.common, step_s)) {
+    fixable = false;
+    remembered_ = false;
+  }
   if (!fixable) {
     if (fixed_) {
       fall(input.time);
@@ -327,7 +350,7 @@ CorrectionOutput CarrierEngine::advance(const CorrectionInput& input) {
     axis->advance(step_s, parameters_.correlation_s, noise_);
   }
   if (parameters_.kind == CorrectionKind::rtk) {
-    advance_rtk(input, output);
+    advance_rtk(input, step_s, output);
     return output;
   }
   receive(input);

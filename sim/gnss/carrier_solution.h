@@ -10,14 +10,17 @@
 //            is no differential position. Differential with the first usable epoch, float with the
 //            second, fixed once the ambiguities are found; then 1 cm + 1 ppm of the baseline
 //            horizontally and 2 cm + 1 ppm vertically, as data sheets of such receivers state, and
-//            3 cm per minute of age. A fix is lost where fewer than five common satellites, or
-//            fewer than half of those that are used, have a carrier to go by (CarrierCount), and
-//            with corrections older than 30 s; everything with corrections older than the
-//            receiver's limit. What was fixed floats on from its place: its error grows from that
-//            of the fix to that of a float, over float_decay. Integers are remembered while four
-//            satellites or more, and half of those used, have carriers without a slip, whose place
-//            finds those of the others, and fix again a second after what was missing is there;
-//            after slips the receiver searches anew.
+//            3 cm per minute of age. Integers fail their test at random, 12 times a second times
+//            the square of the share of unsound carriers beyond 0.2 and two of them (an estimate,
+//            by the share of time that a ZED-F9P was fixed in fields and forest). A fix is lost
+//            where fewer than five common satellites, or fewer than half of those that are used,
+//            have a carrier to go by (CarrierCount), and with corrections older than 30 s;
+//            everything with corrections older than the receiver's limit. What was fixed floats on
+//            from its place: its error grows from that of the fix to that of a float, over
+//            float_decay. Integers are remembered while four satellites or more, and half of those
+//            used, have carriers without a slip, whose place finds those of the others, and fix
+//            again a second after what was missing is there; after slips the receiver searches
+//            anew.
 //   assumed_rtk  the same without a base station, so not causal: corrections are assumed to arrive
 //            at an interval with a latency, from a base at a distance. No cable can be pulled but
 //            by the fault correction_outage. For receivers whose way to their corrections is not
@@ -138,18 +141,20 @@ class CarrierEngine {
  private:
   void receive(const CorrectionInput& input);
   void advance_assumed_rtk(const CorrectionInput& input, CorrectionOutput& output);
-  void advance_rtk(const CorrectionInput& input, CorrectionOutput& output);
+  void advance_rtk(const CorrectionInput& input, double step_s, CorrectionOutput& output);
   void lose();
   void fall(SimTime now);
   void put_fixed(double horizontal_m, double vertical_m, CorrectionOutput& output);
   [[nodiscard]] double float_sigma_m(SimTime now) const;
   [[nodiscard]] double drawn_convergence_s();
+  [[nodiscard]] bool validated(const CarrierCount& carriers, double step_s);
   void advance_service(const CorrectionInput& input, CorrectionOutput& output);
   void put_error(double horizontal_m, double vertical_m, CorrectionOutput& output) const;
 
   CorrectionParameters parameters_;
   RandomStream noise_;
   RandomStream waits_;
+  RandomStream tests_;
   GaussMarkov north_;
   GaussMarkov east_;
   GaussMarkov down_;

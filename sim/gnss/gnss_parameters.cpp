@@ -91,7 +91,7 @@ void visit(fields::Visitor& v, GnssParameters& p) {
   v.only_if(
       p.raw_measurements, "raw_measurements", "raw_measurements: true", [&p](fields::Visitor& w) {
         w.boolean("second_signals", p.second_signals,
-                  "The radio part hears the second carriers too: L2C, E5b, L2OF, B2I.");
+                  "The radio part receives the second carriers too: L2C, E5b, L2OF, B2I.");
         w.boolean("ionosphere", p.ionosphere, "Raw ranges are delayed by the broadcast model.");
         w.boolean("troposphere", p.troposphere, "Raw ranges are delayed by Saastamoinen's model.");
       });

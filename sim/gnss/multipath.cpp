@@ -61,6 +61,13 @@ void visit(fields::Visitor& v, MultipathParameters& p) {
              "Motion after which reflections are searched again.");
     w.number("search_period", p.search_period_s, in("s").between(0, 86'400),
              "Time after which reflections are searched again; 0 = every epoch.");
+    w.number("scatter", p.scatter_m, in("m").between(0, 1000),
+             "By how much a signal that only a wall's reflection brings is longer than a mirror "
+             "would make it, on average.");
+    w.number("scatter_length", p.scatter_length_m, in("m").between(0.1, 1e6),
+             "Motion after which another part of the wall reflects, on average.");
+    w.number("scatter_period", p.scatter_period_s, in("s").between(0.1, 1e6),
+             "Time after which another part of the wall reflects, on average.");
   });
 }
 

@@ -9,6 +9,13 @@
 // What the search found is kept and its path lengths follow the antenna, until it has moved or
 // time has passed by the parameters' measure. Limits: one reflection, flat walls, no diffraction;
 // walls between the directions (30 degrees apart at the horizon) may be missed.
+//
+// Real walls have balconies, windows and neighbours: the strongest path of a signal without line of
+// sight is longer than a flat wall's by some metres, and changes at once where another part takes
+// over. This excess is exponentially distributed and renewed at random (scatter_m and below), as
+// echoes of land mobile satellite channels are (A. Lehner, A. Steingass, "A novel channel model for
+// land mobile satellite navigation", ION GNSS 2005, recalled); its sizes are chosen for the errors
+// of a NEO-M8T in a street of Hong Kong (UrbanNav, Tsim Sha Tsui 2019).
 #pragma once
 
 #include <Eigen/Core>
@@ -30,6 +37,11 @@ struct MultipathParameters {
   double correlator_spacing_m = 29.3;  ///< Early to late; 0.1 chip of C/A code; [1, 300].
   double search_distance_m = 1.0;      ///< The search is repeated after so much motion ...
   double search_period_s = 5.0;        ///< ... or after so much time; 0 = every epoch.
+  /// By how much a signal that only a wall's reflection brings is longer than a mirror would make
+  /// it, mean of an exponential distribution ...
+  double scatter_m = 3.5;
+  double scatter_length_m = 10.0;  ///< ... that is drawn anew after so much motion ...
+  double scatter_period_s = 20.0;  ///< ... or after so much time, on average.
 };
 void visit(fields::Visitor& v, MultipathParameters& p);
 

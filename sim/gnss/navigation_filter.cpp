@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "fields/visitor.h"
@@ -30,7 +31,13 @@ constexpr double kSystemClock_m = 10.0;
 /// A range of one overhead under an open sky: what weights are relative to.
 constexpr double kUsualSigma_m = 1.8;
 constexpr double kDoubtful = 5.0;
-constexpr std::size_t kLeastSignals = 4;
+/// Ranges beyond the unknowns that have to agree for one that contradicts them to be left out.
+constexpr std::size_t kRedundant = 1;
+/// Squared innovations over variances: so large they are by chance, and over so long is the mean.
+constexpr double kUsualSquare = 0.5;
+constexpr double kUsualByCarriers = 2.0;  // as long as the state has so much of theirs
+constexpr double kForgotten_m = 1e-4;
+constexpr double kInnovationMean_s = 10.0;
 // By how much the filter widens itself when it was wrong.
 constexpr double kWiden_m = 100.0;
 constexpr double kWiden_mps = 10.0;
@@ -117,6 +124,7 @@ void NavigationFilter::begin(const NavigationTruth& truth) {
     own_[source] = {};
   }
   present_.clear();
+  innovation_ = 0.0;
   begun_ = true;
 }
 
@@ -140,6 +148,7 @@ void NavigationFilter::predict(double step_s, const NavigationNoise& noise,
   if (!begun_ || step_s <= 0.0) {
     return;
   }
+  step_s_ = step_s;
   const double h = step_s;
   p_W_ += h * v_W_;
   clock_m_ += h * clock_rate_mps_;
@@ -212,20 +221,29 @@ void NavigationFilter::make_rows(const NavigationTruth& truth,
 bool NavigationFilter::agree(std::span<const NavigationSignal> signals) {
   left_out_.assign(signals.size(), false);
   std::size_t beyond = 0;
+  double squares = 0.0;
+  std::uint32_t systems = 0;
   for (std::size_t i = 0; i < signals.size(); ++i) {
     // Innovation against its variance: of a range by what stays, of a rate by the filter's own.
     const double sigma_m = signals[i].sigma_m();
     const double range = ranges_[i].h.dot(actual_ * ranges_[i].h) + sigma_m * sigma_m;
+    squares += std::min(kDoubtful * kDoubtful, std::pow(ranges_[i].innovation, 2) / range);
+    systems |= 1U << static_cast<unsigned>(system_state(signals[i].system) + 1);
     const double rate = rates_[i].h.dot(believed_ * rates_[i].h) + rates_[i].variance;
     left_out_[i] = std::abs(ranges_[i].innovation) > kDoubtful * std::sqrt(range) ||
                    std::abs(rates_[i].innovation) > kDoubtful * std::sqrt(rate);
     beyond += left_out_[i] ? 1 : 0;
   }
+  if (!signals.empty()) {
+    const double fresh = 1.0 - std::exp(-step_s_ / kInnovationMean_s);
+    innovation_ += fresh * (squares / static_cast<double>(signals.size()) - innovation_);
+  }
   if (2 * beyond > signals.size()) {
     left_out_.assign(signals.size(), false);
     return false;
   }
-  if (signals.size() - beyond < kLeastSignals) {
+  const auto unknown = std::size_t{3} + static_cast<std::size_t>(std::popcount(systems));
+  if (signals.size() - beyond < unknown + kRedundant) {
     left_out_.assign(signals.size(), false);
   }
   return true;
@@ -400,6 +418,13 @@ void NavigationFilter::update(const NavigationTruth& truth,
   for (std::size_t i = 0; i < signals.size(); ++i) {
     residuals_m_.push_back(signals[i].range_error_m - ranges_[i].h.dot(left));
   }
+}
+
+double NavigationFilter::disagreement() const {
+  // A state by carriers has none of what stays in ranges, so that their innovations have all of it,
+  // until it has come to share it.
+  const bool by_carriers = with_carriers_.topRows<3>().norm() > kForgotten_m;
+  return std::max(1.0, innovation_ / (by_carriers ? kUsualByCarriers : kUsualSquare));
 }
 
 double NavigationFilter::clock_variance_m2() const {

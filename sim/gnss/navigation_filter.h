@@ -28,8 +28,12 @@
 // goes on from the place and from the accuracy that it had by them.
 //
 // Integrity. A satellite whose innovation exceeds five of its standard deviations is left out of
-// the epoch, at least four staying. When more than half are beyond, it is the prediction that is
-// wrong (a jump, a hard stop), and the filter widens itself instead.
+// the epoch, if those that stay are at least one more than the unknowns: with fewer, nothing tells
+// which of them is wrong. When ranges disagree with the state, squared innovations over variances
+// being 0.5 and more on average over ten seconds (below that under an open sky, since errors that
+// stay are in the state, too), accuracies of position grow by the root. When more than half are
+// beyond, it is the prediction that is wrong (a jump, a hard stop), and the filter widens itself
+// instead.
 //
 // Everything is linearised at the truth: 50 m of error cost 0.1 mm.
 #pragma once
@@ -141,10 +145,13 @@ class NavigationFilter {
   [[nodiscard]] Eigen::Vector3d v_W() const { return v_W_; }
   [[nodiscard]] double clock_m() const { return clock_m_; }
   [[nodiscard]] double clock_rate_mps() const { return clock_rate_mps_; }
-  /// Of the position, from M, world axes.
+  /// Of the position, from M, world axes, as many times larger as ranges disagree.
   [[nodiscard]] Eigen::Matrix3d position_covariance_m2() const {
-    return actual_.topLeftCorner<3, 3>();
+    return disagreement() * actual_.topLeftCorner<3, 3>();
   }
+  /// At least 1: squared innovations of ranges over their variances, beyond what is usual, over
+  /// some seconds.
+  [[nodiscard]] double disagreement() const;
   /// Of the velocity, from P, world axes.
   [[nodiscard]] Eigen::Matrix3d velocity_covariance() const { return believed_.block<3, 3>(3, 3); }
   [[nodiscard]] double clock_variance_m2() const;
@@ -171,6 +178,8 @@ class NavigationFilter {
 
   NavigationParameters parameters_;
   bool begun_ = false;
+  double step_s_ = 0.0;      ///< Of the last prediction.
+  double innovation_ = 0.0;  ///< Mean squared innovation of ranges over variance, smoothed.
   Eigen::Vector3d p_W_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d v_W_ = Eigen::Vector3d::Zero();
   double clock_m_ = 0.0;

@@ -19,10 +19,12 @@ namespace {
 constexpr double kReferenceCn0_dbhz = 45.0;
 constexpr double kFadingCorrelation_s = 6.0;
 constexpr double kFadingLength_m = 15.0;
-constexpr double kRateCorrelation_s = 2.5;  // of reflections in a range rate, at rest ...
-constexpr double kRateLength_m = 8.0;       // ... and over this way in motion
+constexpr double kLeavesCorrelation_s = 3.0;  // of what leaves and branches take, at rest ...
+constexpr double kLeavesLength_m = 4.0;       // ... and over this way in motion
+constexpr double kRateCorrelation_s = 2.5;    // of reflections in a range rate, at rest ...
+constexpr double kRateLength_m = 8.0;         // ... and over this way in motion
 /// Of the mistrust of a weak signal, what errors of weak signals are like.
-constexpr double kWeakShare = 0.5;
+constexpr double kWeakShare = 0.75;
 constexpr double kUsual_db = 3.0;  // fading of an open sky: no reason to distrust a signal
 constexpr double kLowestMappedSine = 0.087;  // 5 degrees: below, mappings are held
 constexpr double kEarthRadius_km = 6371.0;
@@ -35,8 +37,12 @@ double pierce_distance_km(double elevation_rad) {
   return kEarthRadius_km * (0.5 * std::numbers::pi - elevation_rad - at_shell);
 }
 
+double weaker_by(double db) {
+  return std::pow(10.0, db / 20.0);
+}
+
 double code_sigma_m(const RangeErrorParameters& p, double cn0_dbhz) {
-  return p.code_noise_m * std::pow(10.0, (kReferenceCn0_dbhz - cn0_dbhz) / 20.0);
+  return p.code_noise_m * weaker_by(kReferenceCn0_dbhz - cn0_dbhz);
 }
 
 /// 1 / tau = 1 / tau_rest + speed / length.
@@ -54,6 +60,9 @@ double over_sine(double elevation_rad) {
 void visit(fields::Visitor& v, RangeErrorParameters& p) {
   constexpr fields::NumberRule kMetres = in("m").between(0, 1000);
   constexpr fields::NumberRule kSeconds = in("s").between(0, 1e6);
+  v.number("broadcast_share", p.broadcast_share, plain().between(0, 1),
+           "Of errors of broadcast orbits, clocks and ionosphere, what this receiver leaves in the "
+           "ranges that it uses.");
   v.number("orbit_clock_sigma", p.orbit_clock_sigma_m, kMetres,
            "Standard deviation of broadcast orbits and clocks.");
   v.number("orbit_clock_correlation", p.orbit_clock_correlation_s, kSeconds,
@@ -73,7 +82,7 @@ void visit(fields::Visitor& v, RangeErrorParameters& p) {
   v.number("code_noise_correlation", p.code_noise_correlation_s, kSeconds,
            "Time constant of the code loop's noise.");
   v.number("multipath_sigma", p.multipath_sigma_m, kMetres,
-           "Multipath error at the zenith; over sin E at elevation E.");
+           "Multipath error at 45 dBHz; doubles every 6 dB below.");
   v.number("multipath_correlation", p.multipath_correlation_s, kSeconds,
            "Time constant of multipath at rest.");
   v.number("multipath_length", p.multipath_length_m, in("m").between(0.001, 1e6),
@@ -108,6 +117,8 @@ double troposphere_mapping(double elevation_rad) {
 SatelliteErrors::SatelliteErrors(std::uint64_t seed, std::string_view name)
     : random_(seed, name),
       fading_random_(seed, std::string(name) + "/fading"),
+      foliage_random_(seed, std::string(name) + "/foliage"),
+      scatter_random_(seed, std::string(name) + "/scatter"),
       rate_random_(seed, std::string(name) + "/rate"),
       second_random_(seed, std::string(name) + "/second"),
       slip_random_(seed, std::string(name) + "/slips") {}
@@ -117,6 +128,19 @@ void SatelliteErrors::fade(double step_s, double speed_mps) {
   const double correlation_s =
       kFadingCorrelation_s / (1.0 + kFadingCorrelation_s * speed_mps / kFadingLength_m);
   fading_.advance(step_s, correlation_s, fading_random_);
+  foliage_fading_.advance(
+      step_s, kLeavesCorrelation_s / (1.0 + kLeavesCorrelation_s * speed_mps / kLeavesLength_m),
+      foliage_random_);
+}
+
+bool SatelliteErrors::scatter(double step_s, double rest_s, double speed_mps, double length_m) {
+  // Two draws at every step, whatever happens. Renewals: 1 / tau = 1 / tau_rest + speed / length.
+  const double chance = scatter_random_.uniform();
+  const double excess = -std::log(1.0 - scatter_random_.uniform());
+  const double expected = step_s * (1.0 / rest_s + speed_mps / length_m);
+  const bool renewed = scattered_ < 0.0 || chance < 1.0 - std::exp(-expected);
+  scattered_ = renewed ? excess : scattered_;
+  return renewed;
 }
 
 void SatelliteErrors::advance_second(const RangeErrorParameters& p, double step_s,
@@ -158,7 +182,8 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const SignalArr
   const double elevation = arrival.elevation_rad;
   const double orbit_sigma_m = share.orbit_clock * p.orbit_clock_sigma_m;
   const double noise_sigma_m = code_sigma_m(p, arrival.cn0_dbhz);
-  const double open_multipath_m = p.multipath_sigma_m * over_sine(elevation);
+  const double open_multipath_m =
+      p.multipath_sigma_m * weaker_by(kReferenceCn0_dbhz - (arrival.cn0_dbhz - arrival.fade_db));
   // An envelope is a sine's amplitude, amplitude / sqrt(2) its deviation.
   const double multipath_sigma_m =
       std::hypot(open_multipath_m, arrival.reflection_envelope_m / std::numbers::sqrt2,

@@ -11,20 +11,26 @@
 //   troposphere       0.05 m at the zenith after Saastamoinen's model, 1 / sin E; half an hour
 //   code noise        0.15 m at 45 dBHz, times 10^((45 - C/N0) / 20): 1.2 m at 27 dBHz (a ZED-F9P,
 //                     which smooths, has 0.45 m at 24 to 27 dBHz, 0.04 m at 36 to 39)
-//   multipath         at the zenith 0.5 m, over sin E; minutes at rest, seconds in motion, since
-//   the
-//                     reflections change with the place: 1/tau = 1/tau_rest + speed / length
+//   multipath         0.5 m at 45 dBHz, times 10^((45 - C/N0) / 20) without fading: reflections
+//                     bend the code as much as they are strong beside the direct signal; minutes at
+//                     rest, seconds in motion, since they change with the place: 1/tau = 1/tau_rest
+//                     + speed / length. Accuracies that u-blox receivers of generations 7 to 9 tell
+//                     follow HDOP x 0.6 m x 10^((45 - C/N0) / 20) within a third in 11 of 13 logs
+//                     (gpsd's regression tests; medians of 16 to 44 dBHz of the satellites used)
 //   foliage           0.3 m of multipath for each dB that crowns take: errors of several metres
 //                     under trees (recalled, not measured here); its carrier slips at random,
-//                     0.03 times a second for each dB: an estimate, so that under closed crowns an
+//                     0.045 times a second for each dB: an estimate, so that under closed crowns an
 //                     RTK receiver is fixed a part of the time only (carrier_solution.h)
 //   range rate        white 10 mm/s at 45 dBHz, and 20 mm/s that stay 2.5 s at rest, 1 s in motion
 //                     (u-blox receivers at rest show speeds of 14 to 24 mm/s)
 //   carrier           thermal noise of its loop, and 2 mm over sin E of multipath
 //   second signal     code and carrier have noise and multipath of their own, of the same size
+//   receiver          leaves the broadcast share of orbit, clock and ionosphere in its ranges: 1 of
+//                     a NEO-7P; newer ones tell accuracies that leave no room for all of them
 //   reflections       found by rays (multipath.h): a direct signal gains an error of that envelope
 //                     as multipath does; a signal that arrives only by reflection is long by its
-//                     extra path
+//                     extra path, and by an exponential scatter that another part of the wall
+//                     renews at random
 //
 // Fading of C/N0: 6 s at rest, over 15 m in motion (recordings of NEO-7Ps: 4 to 8 s, 1 to 2 s in a
 // town's traffic).
@@ -46,16 +52,19 @@
 namespace rigwire::sim {
 
 struct RangeErrorParameters {
+  /// What this receiver leaves of the errors of broadcast orbits, clocks and ionosphere when its
+  /// ranges are used; measured ranges have all of them.
+  double broadcast_share = 1.0;
   double orbit_clock_sigma_m = 0.8;
   double orbit_clock_correlation_s = 7200.0;
-  double ionosphere_sigma_m = 1.5;                 ///< Vertical, what the model leaves.
+  double ionosphere_sigma_m = 2.2;                 ///< Vertical, what the model leaves.
   double ionosphere_gradient_sigma_mpkm = 1.5e-3;  ///< Per axis, m per km of the pierce point.
   double ionosphere_correlation_s = 2400.0;
   double troposphere_sigma_m = 0.05;  ///< Vertical, what the model leaves.
   double troposphere_correlation_s = 1800.0;
   double code_noise_m = 0.15;              ///< At 45 dBHz.
   double code_noise_correlation_s = 0.5;   ///< Of the code loop.
-  double multipath_sigma_m = 0.5;          ///< At the zenith.
+  double multipath_sigma_m = 0.5;          ///< At 45 dBHz.
   double multipath_correlation_s = 120.0;  ///< At rest ...
   double multipath_length_m = 50.0;        ///< ... and over this way in motion.
   /// What the receiver adds to its sigma for each dB that a signal is weaker than its elevation
@@ -63,7 +72,7 @@ struct RangeErrorParameters {
   double weak_signal_sigma_mpdb = 1.0;
   /// Multipath of the crowns that a signal comes through, for each dB that they take.
   double foliage_multipath_mpdb = 0.3;
-  double foliage_slips_psdb = 0.03;    ///< Of a carrier per second, for each of these dB.
+  double foliage_slips_psdb = 0.045;   ///< Of a carrier per second, for each of these dB.
   double rate_noise_mps = 0.01;        ///< Of a range rate: white, at 45 dBHz ...
   double carrier_multipath_m = 0.002;  ///< Of the carrier, at the zenith; over sin E.
   double rate_multipath_mps = 0.02;    ///< ... and what reflections add, seconds at rest.
@@ -95,6 +104,7 @@ struct SignalArrival {
   double azimuth_rad = 0.0;
   double elevation_rad = 0.0;
   double cn0_dbhz = 45.0;
+  double fade_db = 0.0;                ///< Of it, fading.
   double second_weaker_db = 0.0;       ///< Than that, its second carrier.
   double missing_db = 0.0;             ///< Weaker by so much than under an open sky.
   double foliage_db = 0.0;             ///< Of it, what crowns take.
@@ -144,6 +154,9 @@ class SatelliteErrors {
   void advance_second(const RangeErrorParameters& parameters, double step_s, double speed_mps);
   /// The same for the fading alone.
   void fade(double step_s, double speed_mps);
+  /// Moves on along the walls that reflect the signal; returns whether another part of them does
+  /// so now.
+  bool scatter(double step_s, double rest_s, double speed_mps, double length_m);
   /// The satellite was acquired anew: what belongs to the receiver's lock is drawn afresh.
   void acquired();
   [[nodiscard]] RangeError error(const RangeErrorParameters& parameters,
@@ -153,6 +166,10 @@ class SatelliteErrors {
                            double step_s);
   /// Unit fading of C/N0.
   [[nodiscard]] double fading() const { return fading_.value(); }
+  /// Unit fading by leaves and branches.
+  [[nodiscard]] double foliage_fading() const { return foliage_fading_.value(); }
+  /// Of mean 1, exponentially distributed: excess of a reflected path.
+  [[nodiscard]] double scattered() const { return scattered_; }
 
  private:
   RandomStream random_;
@@ -160,6 +177,10 @@ class SatelliteErrors {
   GaussMarkov code_noise_;
   GaussMarkov multipath_;
   GaussMarkov fading_;
+  RandomStream foliage_random_;
+  GaussMarkov foliage_fading_;
+  RandomStream scatter_random_;
+  double scattered_ = -1.0;  ///< Below 0: not drawn.
   GaussMarkov rate_;
   RandomStream rate_random_;
   GaussMarkov rate_noise_;

@@ -121,7 +121,7 @@ void SatelliteChannels::arrive(Channel& channel, ReceivedSatellite& received,
                                const Reception& reception, const Visibility& visibility) {
   const SkyViewParameters& sky = parameters_.sky;
   const double sin_elevation = std::sin(received.elevation_rad);
-  channel.arrival = sky_arrival(sky, visibility, reception.p_W, received.direction_W);
+  channel.arrival = sky_arrival(sky, visibility, reception.p_W, received.direction_W, near_crowns_);
   const double direct_dbhz = direct_cn0_dbhz(sky, sin_elevation, channel.arrival);
   channel.envelope_m = 0.0;
   channel.extra_path_m = 0.0;
@@ -137,7 +137,8 @@ void SatelliteChannels::arrive(Channel& channel, ReceivedSatellite& received,
     if (reflected_dbhz > direct_dbhz) {
       received.direct = false;
       received.cn0_dbhz = reflected_dbhz;
-      channel.extra_path_m = *extra_m;
+      channel.extra_path_m =
+          *extra_m + parameters_.multipath.scatter_m * channel.errors.scattered();
     } else {
       channel.envelope_m = multipath_envelope_m(parameters_.multipath, *extra_m);
     }
@@ -157,10 +158,15 @@ void SatelliteChannels::fade(const Reception& reception) {
     Channel& channel = channels_[channel_of_[k]];
     const double step_s = channel.last == kNever ? 0.0 : to_seconds(reception.time - channel.last);
     channel.errors.fade(step_s, reception.speed_mps);
+    // Leaves take and leave; they add nothing to what an open sky gives.
+    const double crowns_db = foliage_db(channel);
+    const double leaves_db =
+        std::min(crowns_db, channel.errors.foliage_fading() * foliage_sigma_db(crowns_db));
     channel.fade_db =
-        channel.errors.fading() *
-        fading_sigma_db(parameters_.sky, std::sin(received_[k].elevation_rad), reception.speed_mps);
-    channel.slips = channel.errors.slips(parameters_.ranges, foliage_db(channel), step_s);
+        leaves_db + channel.errors.fading() * fading_sigma_db(parameters_.sky,
+                                                              std::sin(received_[k].elevation_rad),
+                                                              reception.speed_mps);
+    channel.slips = channel.errors.slips(parameters_.ranges, crowns_db - leaves_db, step_s);
     channel.last = reception.time;
   }
 }
@@ -171,6 +177,9 @@ void SatelliteChannels::advance_errors(const Reception& reception) {
     const double own_step_s =
         channel.last == kNever ? 0.0 : to_seconds(reception.time - channel.last);
     channel.errors.advance(parameters_.ranges, own_step_s, reception.speed_mps);
+    const MultipathParameters& walls = parameters_.multipath;
+    channel.scattered = channel.errors.scatter(own_step_s, walls.scatter_period_s,
+                                               reception.speed_mps, walls.scatter_length_m);
     if (parameters_.raw_measurements && parameters_.second_signals) {
       channel.errors.advance_second(parameters_.ranges, own_step_s, reception.speed_mps);
     }
@@ -208,10 +217,12 @@ void SatelliteChannels::track(const Reception& reception, const GnssFaultState& 
     received.carries = received.direct && received.cn0_dbhz >= (channel.carries ? kCarrierLost_dbhz
                                                                                 : kCarrierCn0_dbhz);
     channel.carries = received.carries;
-    received.slipped = received.acquired ||
-                       (received.tracked &&
-                        (received.direct != channel.direct || (channel.slips && !fault.spoofed)));
-    if (received.slipped || !received.tracked) {
+    received.slipped =
+        received.acquired ||
+        (received.tracked &&
+         (received.direct != channel.direct ||
+          (!fault.spoofed && (channel.slips || (!received.direct && channel.scattered)))));
+    if (received.slipped || !received.carries) {
       channel.held = reception.time;
     }
     received.held_s = to_seconds(reception.time - channel.held);
@@ -248,6 +259,8 @@ std::span<ReceivedSatellite> SatelliteChannels::receive(const Reception& recepti
     for (std::size_t k = 0; k < received_.size(); ++k) {
       arrive(channels_[channel_of_[k]], received_[k], reception, visibility);
     }
+    near_crowns_ = std::ranges::any_of(
+        channel_of_, [this](std::uint32_t i) { return channels_[i].arrival.foliage_m > 0.0; });
   }
   fade(reception);
   track(reception, fault);
@@ -298,6 +311,7 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
     SignalArrival arrival{.azimuth_rad = received.azimuth_rad,
                           .elevation_rad = received.elevation_rad,
                           .cn0_dbhz = received.cn0_dbhz,
+                          .fade_db = channel.fade_db,
                           .second_weaker_db = received.second_weaker_db};
     // What the open sky would give at this elevation, less what is received but for fading.
     arrival.missing_db =
@@ -314,8 +328,9 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
                       .ionosphere = field_->ionosphere(time_s_, p.ionosphere_correlation_s,
                                                        length_m, p_E_m_, direction_E),
                       .troposphere = troposphere};
-    CorrectedShare own = share;
-    own.ionosphere *= received.two_bands ? kTwoBandIonosphere : 1.0;
+    const CorrectedShare own{.orbit_clock = p.broadcast_share * share.orbit_clock,
+                             .ionosphere = p.broadcast_share * share.ionosphere *
+                                           (received.two_bands ? kTwoBandIonosphere : 1.0)};
     received.error = channel.errors.error(p, arrival, own);
     if (spoofed) {  // the transmitter makes ranges that agree with each other
       received.error.corrected_m = 0.0;

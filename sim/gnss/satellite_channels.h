@@ -92,10 +92,11 @@ class SatelliteChannels {
     SatelliteTracker tracker;
     SimTime last = kNever;
     SkyArrival arrival;
-    bool direct = false;    ///< At the epoch before.
-    bool carries = false;   ///< The same.
-    bool slips = false;     ///< Under crowns, since then.
-    SimTime held = kNever;  ///< Since when the carrier is.
+    bool direct = false;     ///< At the epoch before.
+    bool carries = false;    ///< The same.
+    bool slips = false;      ///< Under crowns, since then.
+    bool scattered = false;  ///< Another part of a wall reflects it, since then.
+    SimTime held = kNever;   ///< Since when the carrier is.
     double fade_db = 0.0;
     double envelope_m = 0.0;
     double extra_path_m = 0.0;
@@ -127,6 +128,7 @@ class SatelliteChannels {
   std::vector<std::uint32_t> channel_of_;  ///< Of received_.
   std::vector<ReflectionSearch::Satellite> searched_;
   std::vector<bool> healthy_;
+  bool near_crowns_ = false;  ///< Some signal passed through crowns, an epoch before.
 };
 
 }  // namespace rigwire::sim

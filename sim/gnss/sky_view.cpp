@@ -20,6 +20,8 @@ namespace {
 
 constexpr std::size_t kRim = 4;
 constexpr std::size_t kMostSamples = 16;
+/// First Fresnel zone at L1 of a crown ten metres away: sqrt(0.19 m x 10 m) = 1.4 m.
+constexpr double kCrownZone_rad = 8.0 * kDegree;
 
 /// Places in the unit disc: the rim, then what fills it evenly (Vogel's spiral: each takes the same
 /// area).
@@ -83,7 +85,8 @@ void validate(const SkyViewParameters& p) {
 }
 
 SkyArrival sky_arrival(const SkyViewParameters& parameters, const Visibility& visibility,
-                       const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W) {
+                       const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
+                       bool near_crowns) {
   SkyArrival arrival;
   int open = 0;
   double foliage_m = 0.0;
@@ -114,6 +117,26 @@ SkyArrival sky_arrival(const SkyViewParameters& parameters, const Visibility& vi
     }
   }
   arrival.open_share = static_cast<double>(open) / arrival.rays;
+  if (near_crowns && open > 0) {
+    // The ring's mean, where it is not blocked, counts as much as the cone's.
+    const Eigen::Vector3d u = direction_W.unitOrthogonal();
+    const Eigen::Vector3d v = direction_W.cross(u);
+    int free = 0;
+    double around_m = 0.0;
+    for (std::size_t i = 0; i < kRim; ++i) {
+      const double angle = static_cast<double>(i) * 0.5 * std::numbers::pi;
+      const Eigen::Vector3d aside =
+          std::tan(kCrownZone_rad) * (std::cos(angle) * u + std::sin(angle) * v);
+      const SkyPath path = visibility.sky_path(p_W, (direction_W + aside).normalized(),
+                                               parameters.antenna_clearance_m);
+      ++arrival.rays;
+      free += path.blocked ? 0 : 1;
+      around_m += path.blocked ? 0.0 : path.foliage_m;
+    }
+    if (free > 0) {
+      foliage_m = 0.5 * (foliage_m + around_m * open / free);
+    }
+  }
   arrival.foliage_m = open > 0 ? foliage_m / open : 0.0;
   return arrival;
 }
@@ -146,6 +169,12 @@ double fading_sigma_db(const SkyViewParameters& parameters, double sin_elevation
   const double overhead_db =
       parameters.cn0_sigma_db + moving * (parameters.cn0_sigma_moving_db - parameters.cn0_sigma_db);
   return overhead_db * (1.0 + kTowardsHorizon * (1.0 - sin_elevation));
+}
+
+double foliage_sigma_db(double foliage_db) {
+  constexpr double kLeastShare = 2.5;
+  constexpr double kGreatest_db = 7.0;
+  return std::min(kGreatest_db, kLeastShare * std::sqrt(std::max(0.0, foliage_db)));
 }
 
 bool SatelliteTracker::advance(const SkyViewParameters& parameters, const Step& step) {

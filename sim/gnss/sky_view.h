@@ -20,6 +20,10 @@
 // signal does not end at an edge like light, its Fresnel zone does (half of it blocked: 6 dB, as at
 // a knife edge; J. D. Parsons, "The Mobile Radio Propagation Channel", 2nd ed., section 3.3). With
 // one sample the edge is sharp. Foliage takes 0.5 to 1.5 dB/m at L1 (recalled, not measured here).
+// Near crowns its mean is over a ring of 8 degrees, too: the first Fresnel zone of a crown ten
+// metres away, sqrt(0.19 m x 10 m) = 1.4 m. Leaves and branches fade a signal by 2.5 dB x
+// sqrt(loss / dB), at most 7 dB (5 to 8 dB under crowns, recalled), over 3 s at rest and 4 m in
+// motion, and never to more than an open sky gives.
 //
 // Tracking has a memory: a satellite is lost below the threshold and comes back when it has been
 // above threshold + hysteresis for the reacquisition time.
@@ -67,10 +71,11 @@ struct SkyArrival {
   int rays = 0;             ///< Cast for it.
 };
 
-/// Samples the cone. `p_W` m, `direction_W` unit.
+/// Samples the cone. `p_W` m, `direction_W` unit. `near_crowns`: samples foliage in the first
+/// Fresnel zone of crowns near by, too (the file's comment).
 [[nodiscard]] SkyArrival sky_arrival(const SkyViewParameters& parameters,
                                      const Visibility& visibility, const Eigen::Vector3d& p_W,
-                                     const Eigen::Vector3d& direction_W);
+                                     const Eigen::Vector3d& direction_W, bool near_crowns = false);
 
 /// C/N0 of the direct signal without fading and jamming; -infinity when it is blocked.
 [[nodiscard]] double direct_cn0_dbhz(const SkyViewParameters& parameters, double sin_elevation,
@@ -79,6 +84,9 @@ struct SkyArrival {
 /// Standard deviation of the fading of a satellite's signal.
 [[nodiscard]] double fading_sigma_db(const SkyViewParameters& parameters, double sin_elevation,
                                      double speed_mps);
+
+/// Standard deviation of what leaves and branches add, for a mean loss in crowns.
+[[nodiscard]] double foliage_sigma_db(double foliage_db);
 
 /// The tracking channel of one satellite.
 class SatelliteTracker {

@@ -275,7 +275,9 @@ TEST_F(CausalRtk, SurveyEndsByDurationAndAccuracy) {
   EXPECT_EQ(survey.duration_s, 30U);
   EXPECT_EQ(survey.observations, 31U);
   const Eigen::Vector3d e = frame_.to_ecef(base_W);
-  EXPECT_NEAR(survey.mean_cm[0] * 0.01, e.x(), 6.0);
+  // Two standard deviations of the height of a NEO-7P's errors, which half a minute does not
+  // average.
+  EXPECT_NEAR(survey.mean_cm[0] * 0.01, e.x(), 8.0);
   EXPECT_EQ(last<ubx::NavPvt92>(*base).fix_type, 5);
   EXPECT_EQ(rover->latest.carrier, CarrierSolution::floating);
 }

@@ -193,7 +193,7 @@ TEST(CarrierEngineByPort, WhatIsMissingHoldsTheFixBack) {
   };
   EXPECT_FALSE(never([](ReceivedCorrections&) {}));
   EXPECT_TRUE(never([](ReceivedCorrections& c) { c.common.held = 4; }));
-  EXPECT_FALSE(never([](ReceivedCorrections& c) { c.common.held = 7; }));
+  EXPECT_FALSE(never([](ReceivedCorrections& c) { c.common.held = 12; }));
   EXPECT_TRUE(never([](ReceivedCorrections& c) { c.common.held = 6; })) << "of 14 used";
   EXPECT_TRUE(never([](ReceivedCorrections& c) { c.carriers_agree = false; }));
   EXPECT_TRUE(never([](ReceivedCorrections& c) { c.floating_only = true; }));

@@ -70,6 +70,49 @@ TEST(RangeErrors, CodeNoiseDoublesEverySixDecibel) {
   EXPECT_NEAR(two.total_m(), 2.0 * one.total_m(), 1e-12);
 }
 
+// Before: by elevation alone, so that a receiver behind a window, 15 dB weaker, knew its place as
+// well as one on a roof.
+TEST(RangeErrors, MultipathDoublesEverySixDecibelButNotByFading) {
+  RangeErrorParameters parameters = kNoErrors;
+  parameters.multipath_sigma_m = 0.5;
+  SatelliteErrors satellite(1, "satellite");
+  satellite.advance(parameters, 1.0, 0.0);
+  const SignalArrival strong = error_at(45.0);
+  SignalArrival weak = strong;
+  weak.cn0_dbhz = strong.cn0_dbhz - 20.0 * std::log10(2.0);
+  SignalArrival faded = weak;
+  faded.fade_db = -20.0 * std::log10(2.0);
+  const RangeError one = satellite.error(parameters, strong, {});
+  const RangeError two = satellite.error(parameters, weak, {});
+  const RangeError same = satellite.error(parameters, faded, {});
+  EXPECT_NEAR(one.sigma_m, 0.5, 1e-12);
+  EXPECT_NEAR(two.sigma_m, 1.0, 1e-12);
+  EXPECT_NEAR(two.total_m(), 2.0 * one.total_m(), 1e-12);
+  EXPECT_NEAR(same.total_m(), one.total_m(), 1e-12);
+}
+
+TEST(RangeErrors, ScatterIsExponentialAndRenewedByWayAndTime) {
+  constexpr double kRest_s = 20.0;
+  constexpr double kLength_m = 10.0;
+  constexpr double kSpeed_mps = 5.0;
+  constexpr double kStep_s = 0.5;
+  constexpr int kSteps = 40'000;
+  double sum = 0.0;
+  double square = 0.0;
+  int renewals = 0;
+  SatelliteErrors satellite(1, "satellite");
+  (void)satellite.scatter(0.0, kRest_s, 0.0, kLength_m);
+  for (int i = 0; i < kSteps; ++i) {
+    renewals += satellite.scatter(kStep_s, kRest_s, kSpeed_mps, kLength_m) ? 1 : 0;
+    sum += satellite.scattered() / kSteps;
+    square += std::pow(satellite.scattered(), 2) / kSteps;
+  }
+  EXPECT_NEAR(sum, 1.0, 0.05);
+  EXPECT_NEAR(square, 2.0, 0.2);  // an exponential distribution's second moment
+  // A Poisson process of 1 / 20 s + 5 m/s / 10 m.
+  EXPECT_NEAR(static_cast<double>(renewals) / kSteps, 1.0 - std::exp(-kStep_s * 0.55), 0.01);
+}
+
 TEST(RangeErrors, ADetourIsExactAndNeverBelieved) {
   SatelliteErrors satellite(1, "satellite");
   SignalArrival reflected = error_at(45.0);

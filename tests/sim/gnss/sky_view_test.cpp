@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -79,6 +80,28 @@ TEST(SkyView, FoliageWeakensByTheMetre) {
   const SkyArrival arrival = sky_arrival(parameters, wood, kHere, Eigen::Vector3d::UnitZ());
   EXPECT_DOUBLE_EQ(arrival.foliage_m, 6.0);
   EXPECT_NEAR(direct_cn0_dbhz(parameters, 1.0, arrival), parameters.cn0_zenith_dbhz - 9.0, 1e-12);
+}
+
+// Before: a ray that missed a crown ten metres away by a hand's breadth lost nothing.
+TEST(SkyView, CrownsBesideTheRayTakeTheirPart) {
+  // Crowns over everything but a hole of 4 degrees around the zenith.
+  const FakeSky hole([](const Eigen::Vector3d&) { return false; },
+                     [](const Eigen::Vector3d& d) {
+                       return std::acos(std::min(1.0, d.z())) > 4.0 * kDegree ? 6.0 : 0.0;
+                     });
+  EXPECT_DOUBLE_EQ(sky_arrival({}, hole, kHere, Eigen::Vector3d::UnitZ()).foliage_m, 0.0);
+  const SkyArrival near = sky_arrival({}, hole, kHere, Eigen::Vector3d::UnitZ(), true);
+  EXPECT_DOUBLE_EQ(near.foliage_m, 3.0);
+  EXPECT_DOUBLE_EQ(near.open_share, 1.0);
+  EXPECT_EQ(near.rays, 8);
+}
+
+TEST(SkyView, LeavesFadeByFiveToEightDecibelUnderCrowns) {
+  EXPECT_DOUBLE_EQ(foliage_sigma_db(0.0), 0.0);
+  for (const double foliage_db : {4.0, 6.0, 9.0, 15.0, 30.0}) {
+    EXPECT_GE(foliage_sigma_db(foliage_db), 5.0) << foliage_db;
+    EXPECT_LE(foliage_sigma_db(foliage_db), 8.0) << foliage_db;
+  }
 }
 
 TEST(SkyView, ABlockedSatelliteHasNoSignal) {

@@ -33,6 +33,19 @@ struct RainReturns {
 
 [[nodiscard]] std::vector<RainReturns> measure_rain_returns(int beams);
 
+/// Beams of an HDL-32E that return from fog, counted and by the integral over cells.
+struct FogReturns {
+  double visibility_m = 0.0;
+  int beams = 0;
+  double counted_share = 0.0;
+  double expected_share = 0.0;
+  double sigma = 0.0;  ///< Of the counted share.
+  double mean_range_m = 0.0;
+  double expected_mean_range_m = 0.0;
+};
+
+[[nodiscard]] std::vector<FogReturns> measure_fog_returns(int beams);
+
 /// One step of the dust of a vehicle that drives (20 ms: emission, drift, preparation for beams).
 struct DustStepCost {
   std::size_t puffs = 0;

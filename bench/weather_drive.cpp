@@ -49,6 +49,7 @@ sim::WeatherBeam bench_beam(std::uint64_t number, LidarPlace place, SimTime time
   beam.near_m = 0.9;
   beam.far_m = elevation_rad < 0.0 ? std::min(kHeight_m / -std::sin(elevation_rad), kBenchReach_m)
                                    : kBenchReach_m;
+  beam.focus_m = 8.0;  // an HDL-32E's
   beam.divergence_rad = 3e-3;
   beam.time = time;
   beam.draw_key = sim::counter_bits(number, 2);

@@ -59,7 +59,6 @@ double reference_fog_density(const sim::FogParameters& fog, double z_m) {
 struct Echogram {
   double step_m;
   std::vector<double> dust;
-  std::vector<double> soft;
 
   [[nodiscard]] double averaged(const std::vector<double>& light, std::size_t at,
                                 double pulse_m) const {
@@ -105,6 +104,29 @@ double expected_drop_echoes(double rain_mmph, double extinction_pm, const sim::R
       });
 }
 
+ExpectedClutter expected_clutter(double visibility_m, const sim::FogParameters& fog,
+                                 const sim::WeatherBeam& beam) {
+  const double alpha_pm = std::log(20.0) / visibility_m;
+  const auto mean_energy = [&](double r_m) {
+    return kPi * fog.backscatter / visibility_m *
+           integral(-beam.pulse_m, beam.pulse_m, 60, [&](double u_m) {
+             const double s_m = r_m - u_m;
+             const double cosine = std::cos(0.5 * kPi * u_m / beam.pulse_m);
+             const double taken =
+                 beam.focus_m > s_m ? s_m * s_m / (beam.focus_m * beam.focus_m) : 1;
+             return cosine * cosine * std::exp(-2.0 * alpha_pm * s_m) * taken / (s_m * s_m);
+           });
+  };
+  const auto above_limit_pm = [&](double r_m) {
+    return std::exp(-beam.detection_energy / mean_energy(r_m)) / beam.pulse_m;
+  };
+  const double far_m = std::min(beam.far_m - beam.pulse_m, 60.0);
+  const double echoes = integral(beam.near_m, far_m, 3000, above_limit_pm);
+  return {echoes, integral(beam.near_m, far_m, 3000, [&](double r_m) {
+                    return r_m * above_limit_pm(r_m);
+                  }) / echoes};
+}
+
 MarchedBeam march_beam(const sim::WeatherParameters& parameters,
                        std::span<const sim::DustPuff> puffs, const sim::WeatherBeam& beam,
                        double step_m) {
@@ -112,7 +134,7 @@ MarchedBeam march_beam(const sim::WeatherParameters& parameters,
   const double rain_pm = even_pm(parameters);
   const double fog_per_m = air.fog_visibility_m > 0.0 ? 1.0 / air.fog_visibility_m : 0.0;
   const auto steps = static_cast<std::size_t>(std::ceil(beam.far_m / step_m));
-  Echogram echogram{beam.far_m / static_cast<double>(steps), {}, {}};
+  Echogram echogram{beam.far_m / static_cast<double>(steps), {}};
   double tau = 0.0;
   for (std::size_t i = 0; i < steps; ++i) {
     const double s_m = (static_cast<double>(i) + 0.5) * echogram.step_m;
@@ -127,7 +149,6 @@ MarchedBeam march_beam(const sim::WeatherParameters& parameters,
                                       0.0, 1.0);
     const double light = kPi * std::exp(-2.0 * tau) * overlap / (s_m * s_m);
     echogram.dust.push_back(light * dust / parameters.dust.lidar_ratio_sr);
-    echogram.soft.push_back(light * parameters.fog.backscatter * fog_per_m * density);
     tau += half;
   }
   MarchedBeam marched;
@@ -137,12 +158,6 @@ MarchedBeam march_beam(const sim::WeatherParameters& parameters,
     const double s_m = (static_cast<double>(i) + 0.5) * echogram.step_m;
     if (s_m < beam.near_m) {
       continue;
-    }
-    if (fog_per_m > 0.0 && s_m < 5.0) {
-      const double energy = echogram.averaged(echogram.soft, i, beam.pulse_m);
-      if (energy >= beam.detection_energy && energy > marched.soft.energy) {
-        marched.soft = {s_m, energy};
-      }
     }
     if (!ended) {
       const double energy = echogram.averaged(echogram.dust, i, beam.pulse_m);

@@ -11,12 +11,11 @@
 
 namespace rigwire::bench {
 
-/// What a beam meets, in steps of `step_m`: transmission, and the first echo of fog or dust.
+/// What a beam meets, in steps of `step_m`: transmission, and the first echo of dust.
 struct MarchedBeam {
   double transmission = 1.0;
   bool dust_echo = false;
   sim::AirEcho dust{};
-  sim::AirEcho soft{};  ///< Of fog and haze; energy 0: below the limit of detection.
 };
 
 /// For a constant weather: the first key frame. Wind is left out: puffs stand where they are.
@@ -29,6 +28,15 @@ struct MarchedBeam {
 [[nodiscard]] double expected_drop_echoes(double rain_mmph, double extinction_pm,
                                           const sim::RainParameters& rain,
                                           const sim::WeatherBeam& beam);
+
+/// Echoes of an even fog, to be expected: cells of a pulse's length whose energy has a negative
+/// exponential distribution about the pulse integral, which is summed up here.
+struct ExpectedClutter {
+  double echoes = 0.0;
+  double mean_range_m = 0.0;
+};
+[[nodiscard]] ExpectedClutter expected_clutter(double visibility_m, const sim::FogParameters& fog,
+                                               const sim::WeatherBeam& beam);
 
 /// Of rain of that rate, by an integral of the spectrum.
 [[nodiscard]] double integrated_rain_extinction_pm(double rain_mmph,

@@ -11,6 +11,7 @@ namespace rigwire::bench {
 namespace {
 
 constexpr int kRainBeams = 400000;
+constexpr int kFogBeams = 400000;
 
 void cost_table(std::ostream& text, nlohmann::json& json) {
   const Table table(text, {{"medium", "<24"},
@@ -57,6 +58,27 @@ void rain_table(std::ostream& text, nlohmann::json& json) {
   }
 }
 
+void fog_table(std::ostream& text, nlohmann::json& json) {
+  text << '\n';
+  const Table table(text, {{"visibility m", ">12"},
+                           {"returns", ">12"},
+                           {"expected", ">12"},
+                           {"sigmas", ">7"},
+                           {"mean range m", ">13"},
+                           {"expected m", ">11"}});
+  table.head();
+  for (const FogReturns& row : measure_fog_returns(kFogBeams)) {
+    const double sigmas = (row.counted_share - row.expected_share) / row.sigma;
+    json["fog"].push_back(table.row(
+        {number("visibility_m", row.visibility_m, "{:g}"),
+         number("returned_share", row.counted_share, "{:.4f}%", 100.0),
+         number("expected_share", row.expected_share, "{:.4f}%", 100.0),
+         number("sigmas", sigmas, "{:.2f}"), number("mean_range_m", row.mean_range_m, "{:.2f}"),
+         number("expected_mean_range_m", row.expected_mean_range_m, "{:.2f}"),
+         stored("beams", row.beams)}));
+  }
+}
+
 /// For scripts/plot-weather.py alone.
 void views(nlohmann::json& json) {
   for (const TransmissionCurve& curve : transmission_curves()) {
@@ -81,6 +103,7 @@ nlohmann::json bench_weather(std::ostream& text) {
   nlohmann::json json;
   cost_table(text, json);
   rain_table(text, json);
+  fog_table(text, json);
   const DustStepCost step = measure_dust_step();
   text << fmt::format(
       "\n20 ms of dust behind four wheels, {} puffs: {:.1f} us ({:.2f} % of a core)\n", step.puffs,

@@ -13,6 +13,7 @@ namespace {
 constexpr std::uint64_t kRainCounter = 0x100;
 constexpr std::uint64_t kSnowCounter = 0x200;
 constexpr std::uint64_t kDustCounter = 0x300;
+constexpr std::uint64_t kSoftCounter = 0x400;
 
 AirState state_of(const WeatherFrame& frame) {
   const auto inverse = [](double visibility_m) {
@@ -123,10 +124,6 @@ AirState SceneWeather::state(SimTime time) const {
 void SceneWeather::prepare(Air& air, SimTime time) {
   const WeatherParameters& p = parameters_;
   const AirState state = this->state(time);
-  const bool soft = state.inverse_fog_visibility_pm > 0.0 || state.inverse_haze_visibility_pm > 0.0;
-  if (soft && soft_echoes_ == nullptr) {
-    soft_echoes_ = std::make_unique<SoftEchoTable>(p.overlap_start_m, p.overlap_end_m);
-  }
   air.time = time;
   air.even_pm = 0.0;
   air.rain = {};
@@ -195,20 +192,33 @@ AirPath SceneWeather::along(const WeatherBeam& beam) const {
                                beam.start_W - to_seconds(beam.time - air.time) * air.wind_mps,
                                beam.direction_W, range_m));
   };
-  if (soft_echoes_ != nullptr && (foggy || air.haze.backscatter_pmsr > 0.0)) {
-    double density = foggy ? fog_density(parameters_.fog, z_m) : 0.0;
-    const SoftEcho soft = soft_echoes_->strongest(air.even_pm + density * air.fog.extinction_pm,
-                                                  beam.pulse_m, beam.near_m, beam.far_m);
-    if (foggy) {
-      density = fog_density(parameters_.fog, z_m + climb * soft.range_m);
+  if (foggy || air.haze.backscatter_pmsr > 0.0) {
+    const auto mean = [&](double range_m) {
+      const double density = foggy ? fog_density(parameters_.fog, z_m + climb * range_m) : 0.0;
+      return mean_clutter(beam, range_m,
+                          density * air.fog.backscatter_pmsr + air.haze.backscatter_pmsr,
+                          depth_to(range_m));
+    };
+    // Fog in a layer is densest at the lower end of the beam, and thinnest at the upper one.
+    const FogParameters& fog = parameters_.fog;
+    const bool even = !foggy || fog.scale_height_m <= 0.0;
+    const double end_z_m = z_m + climb * beam.far_m;
+    const double densest = foggy ? fog_density(fog, std::min(z_m, end_z_m)) : 0.0;
+    const double thinnest = foggy ? fog_density(fog, std::max(z_m, end_z_m)) : 0.0;
+    ClutterLimits limits{densest * air.fog.backscatter_pmsr + air.haze.backscatter_pmsr,
+                         even || climb >= 0.0,
+                         2.0 * (air.even_pm + thinnest * air.fog.extinction_pm)};
+    if (!even && climb > 0.0 && z_m >= fog.base_height_m && air.haze.backscatter_pmsr == 0.0) {
+      limits.fall_pm += climb / fog.scale_height_m;
     }
-    double energy = soft.energy * (density * air.fog.backscatter_pmsr + air.haze.backscatter_pmsr);
-    if (energy >= beam.detection_energy) {
-      energy *= dust_transmission(soft.range_m);
-      if (energy >= beam.detection_energy && soft.range_m <= beam.far_m) {
-        add_echo(path, {soft.range_m, energy});
+    draw_clutter(beam, kSoftCounter, limits, mean, [&](double range_m, double energy) {
+      // Dust before it thins out what is above the limit, exactly as drops below.
+      const double weakened = energy * dust_transmission(range_m);
+      if (weakened >= beam.detection_energy) {
+        const double taken = std::min(range_m / std::max(range_m, beam.focus_m), 1.0);
+        add_echo(path, {range_m, weakened, taken * taken});
       }
-    }
+    });
   }
   const auto seen = [&](double range_m, double energy) {
     // Echo of one drop or flake, weakened there and back.

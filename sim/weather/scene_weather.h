@@ -93,8 +93,7 @@ class SceneWeather final : public Weather {
   [[nodiscard]] const Air& air_at(SimTime time) const;
 
   WeatherParameters parameters_;
-  std::shared_ptr<const AirFaults> faults_;           ///< Null: there are none.
-  std::unique_ptr<const SoftEchoTable> soft_echoes_;  ///< Null: neither fog nor haze so far.
+  std::shared_ptr<const AirFaults> faults_;  ///< Null: there are none.
   Wind wind_;
   DustCloud dust_;
   bool dusty_ = false;

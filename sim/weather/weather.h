@@ -27,8 +27,11 @@ namespace rigwire::sim {
 struct WeatherBeam {
   Eigen::Vector3d start_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();  ///< Unit.
-  double near_m = 0.0;          ///< Echoes nearer than this are not looked for.
-  double far_m = 0.0;           ///< Where the surface is.
+  double near_m = 0.0;  ///< Echoes nearer than this are not looked for.
+  double far_m = 0.0;   ///< Where the surface is.
+  /// Of a receiver whose lens is focused far away: nearer than this, it images the light as a disc
+  /// wider than its detector, which takes the share (range / focus)^2. 0: it takes all.
+  double focus_m = 0.0;
   double divergence_rad = 0.0;  ///< Full angle of the beam, for the volume that it fills.
   double pulse_m = 0.75;  ///< Half the pulse's length in space, c / 2 times its half-power width:
                           ///< resolution in range.
@@ -43,6 +46,9 @@ struct WeatherBeam {
 struct AirEcho {
   double range_m = 0.0;
   double energy = 0.0;  ///< Attenuation included.
+  /// Share of its light that the receiver took, included in `energy`. Receivers make up for it in
+  /// the reflectivity that they report.
+  double share_taken = 1.0;
 };
 
 inline constexpr std::size_t kMaxAirEchoes = 4;

@@ -70,7 +70,7 @@ void visit(fields::Visitor& v, RainParameters& p) {
   v.only_if(p.model == RainModel::marshall_palmer, "model", "model: marshall_palmer",
             [&p](fields::Visitor& w) {
               w.number("extinction_efficiency", p.extinction_efficiency, plain().between(0.1, 4),
-                       "Q_ext of a drop: light taken over light that meets it.");
+                       "Q_ext of a drop: extinction over geometric cross-section.");
               w.number("refractive_index", p.refractive_index, plain().between(1, 3),
                        "Refractive index of water.");
               w.number("smallest_drop", p.smallest_drop_m, in("mm").between(1e-3, 5),
@@ -85,7 +85,7 @@ void visit(fields::Visitor& v, SnowParameters& p) {
       "intercept", p.intercept, plain().between(1, 1e6),
       "Intercept of the spectrum at 1 mm/h, per m3 and mm; 3800 Gunn and Marshall, 7600 LISA.");
   v.number("extinction_efficiency", p.extinction_efficiency, plain().between(0.1, 20),
-           "Q_ext of a flake: light taken over light that meets it.");
+           "Q_ext of a flake: extinction over geometric cross-section.");
   v.number("refractive_index", p.refractive_index, plain().between(1, 3),
            "Refractive index of ice.");
   v.number("smallest_flake", p.smallest_flake_m, in("mm").between(1e-3, 5),
@@ -143,9 +143,9 @@ void visit(fields::Visitor& v, WeatherParameters& p) {
   v.section("dust", p.dust, "Laws of dust.");
   v.section("wind_gusts", p.wind, "How the wind changes.");
   v.number("overlap_start", p.overlap_start_m, in("m").between(0.1, 10),
-           "No light from nearer arrives in a receiver.");
+           "No light of dust from nearer arrives in a receiver.");
   v.number("overlap_end", p.overlap_end_m, in("m").between(0.11, 20),
-           "All light from farther arrives in a receiver.");
+           "All light of dust from farther arrives in a receiver.");
 }
 
 void validate(const WeatherFrame& frame) {

@@ -108,8 +108,8 @@ struct WeatherParameters {
   HazeParameters haze;
   DustParameters dust;
   WindParameters wind;
-  /// Of the receiver: no light from nearer than `start` arrives, all from beyond `end`, in
-  /// proportion between (Hahner et al. 2021).
+  /// Of the receiver, for dust: no light from nearer than `start` arrives, all from beyond `end`,
+  /// in proportion between (Hahner et al. 2021). Fog and haze: WeatherBeam::focus_m.
   double overlap_start_m = 0.9;
   double overlap_end_m = 1.0;
 

@@ -69,9 +69,9 @@ sim::TriangleMesh make_tree(sim::RandomStream& random) {
 }
 
 /// The place with its bodies and the vehicle.
-class Drive {
+class LoadDrive {
  public:
-  explicit Drive(LidarLoadPlace place) : place_(std::move(place)) {
+  explicit LoadDrive(LidarLoadPlace place) : place_(std::move(place)) {
     sim::Scene& scene = *place_.scene;
     const auto box = scene.add_mesh(sim::make_box("part", {0.6, 0.6, 1.5}));
     for (int i = 0; i < kBodies; ++i) {
@@ -131,7 +131,7 @@ Isometry3d corner(int lidar) {
   return X_LS;
 }
 
-LidarLoad measure(Drive& drive, const LidarLoadCase& of, SimTime& t0) {
+LidarLoad measure(LoadDrive& drive, const LidarLoadCase& of, SimTime& t0) {
   const FiringPlan plan = firing_plan({});
   sim::SpinningLidarParameters parameters;
   parameters.threads = of.threads;
@@ -257,7 +257,7 @@ std::vector<LidarLoad> measure_lidar_load(LidarLoadPlace place,
       throw std::invalid_argument("lidar load: numbers must be 1 at least, and 4 lidars at most");
     }
   }
-  Drive drive(std::move(place));
+  LoadDrive drive(std::move(place));
   std::vector<LidarLoad> loads;
   SimTime t0 = kStart;
   for (const LidarLoadCase& of : cases) {

@@ -56,6 +56,8 @@ class VehiclePort {
   [[nodiscard]] virtual VehicleSample vehicle_sample(SimTime time) const = 0;
   /// Data sheet of its engine.
   [[nodiscard]] virtual EngineData engine_data() const = 0;
+  /// Whether rear_steer_rad has an effect.
+  [[nodiscard]] virtual bool steers_rear() const { return false; }
 };
 
 /// Requests to an engine that drives pumps, readings of both.

@@ -421,7 +421,7 @@ void VelodyneConfiguration::visit(fields::Visitor& v) {
   }
   v.text("time_source", time_source,
          "Satellite receiver; auto = the first one, locked; or ideal, pulse, none.");
-  v.section("mount", mount, "Where on the machine the spin axis stands, and how it is turned.");
+  v.section("mount", mount, "Position and orientation of the spin axis on the machine.");
   v.section("sensor", sensor, "How well it measures.");
   v.list("faults", faults, "What goes wrong with the device, and when.");
 }

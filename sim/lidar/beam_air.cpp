@@ -11,6 +11,9 @@ double optical_depth(const AirPath& path) {
   return -std::log(std::max(path.transmission, 1e-30));
 }
 
+/// A limit of detection above any echo.
+constexpr double kNoEcho = 1e30;
+
 /// Optical depth over range: straight lines from 0 through one or two known points.
 struct Depths {
   double near_m = 0.0;
@@ -52,6 +55,7 @@ AirEchoes pass_air(const Weather& weather, WeatherBeam beam, std::span<const flo
   const auto depth_at = [&](double far_m) {
     WeatherBeam shorter = beam;
     shorter.far_m = far_m;
+    shorter.detection_energy = kNoEcho;  // its depth alone is asked for
     return optical_depth(weather.along(shorter));
   };
   if (depths.far_m > 0.0) {
@@ -80,7 +84,9 @@ AirEchoes pass_air(const Weather& weather, WeatherBeam beam, std::span<const flo
     }
     const float energy = share * static_cast<float>(path.echoes[k].energy);
     if (energy > 0.0F) {
-      echoes.parts[echoes.count++] = {range_m, energy, energy * range_m * range_m, 0.0F};
+      const float brightness =
+          energy * range_m * range_m / static_cast<float>(path.echoes[k].share_taken);
+      echoes.parts[echoes.count++] = {range_m, energy, brightness, 0.0F};
     }
   }
   return echoes;

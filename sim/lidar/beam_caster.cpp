@@ -165,6 +165,7 @@ void BeamCaster::trace(const BlockCast& cast, const RingPacket& plan, Beams& bea
   alignas(32) std::array<int, kLanes> valid;
   valid.fill(-1);
 
+  const GrainLattice lattice(in.origin_W);
   fill_packet(cast.block, plan, cast.limits, beams.middle);
   const RTCRay8& middle = beams.middle.ray;
   look_across(middle, spin_axes(cast.block, plan.map), beams.across);
@@ -180,6 +181,9 @@ void BeamCaster::trace(const BlockCast& cast, const RingPacket& plan, Beams& bea
       in.intersect(valid.data(), context, packet);
       HitSurfaces surfaces;
       meet_surfaces(in.shading.data(), packet, surfaces);
+      if (in.varies) {
+        vary_reflectance(in, lattice, packet, surfaces.reflectance);
+      }
       store_hits(packet, surfaces, choice, group);
       if (first == 0 && !cast.truth.empty()) {
         tell_truth(in, packet, choice, surfaces, beams.truth);
@@ -207,6 +211,7 @@ void BeamCaster::meet_air(const BlockCast& cast, Beams& beams) const {
         Eigen::Vector3f(ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]).cast<double>();
     beam.near_m = model_.air_minimum_range_m();
     beam.far_m = static_cast<double>(cast.limits.far_m);
+    beam.focus_m = model_.air_focus_range_m();
     beam.divergence_rad = divergence_rad_;
     beam.pulse_m = static_cast<double>(rules_.pulse_m);
     // Instant of the shot, from Embree's time of 0 .. 1 over the slice.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
+#include <span>
 
 #include "sim/lidar/hit_surface.h"
 #include "sim/lidar/link_budget.h"
@@ -14,101 +14,155 @@ namespace {
 
 using Shading = Scene::Internals::Shading;
 
-/// How the rays of a packet meet the surfaces that they hit; zero where nothing was hit.
-struct Incidence {
-  LaneArray cosine;
-  LaneArray brightness;  ///< As a multiple of a white surface met head on.
+constexpr std::size_t kMostShots = kMaxLasers * kLanes;
+
+/// One number for each shot of a block, packet by packet, lane by lane. The loops over all of them
+/// at once take half the time of loops over eight, whose steps wait for each other.
+struct alignas(32) ShotArray : std::array<float, kMostShots> {};
+
+/// What the rays of a block meet.
+struct Met {
+  ShotArray range_m;
+  ShotArray cosine;       ///< Of incidence; 0 where nothing was met.
+  ShotArray reflectance;  ///< Diffuse; 0 where nothing was met.
+  ShotArray retro;        ///< What a retro-reflector adds, as a multiple of a white surface.
+  ShotArray variation;    ///< reflectance_grain.h
+  ShotArray x, y, z;      ///< Where, in Embree's coordinates; only where the scene varies.
 };
 
 /// Rare, and so not worth its share of every packet.
-void add_retro_reflectors(const Shading* shading, const SurfaceNumbers& numbers,
-                          Incidence& incidence) {
+void add_retro_reflectors(const Shading* shading, const SurfaceNumbers& surface, std::size_t first,
+                          Met& met) {
   for (std::size_t i = 0; i < kLanes; ++i) {
-    if (numbers[i] != RTC_INVALID_GEOMETRY_ID) {
-      const Shading& surface = shading[numbers[i]];
-      incidence.brightness[i] =
-          apparent_reflectance(surface.reflectance, surface.retro_gain, incidence.cosine[i]);
+    if (surface[i] != RTC_INVALID_GEOMETRY_ID) {
+      met.retro[first + i] =
+          apparent_reflectance(0.0F, shading[surface[i]].retro_gain, met.cosine[first + i]);
     }
   }
 }
 
 /// Neighbours mostly meet the same surface; so one surface after the other is worked out for all
-/// lanes, and each lane keeps its own.
-RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
-                               Incidence& incidence) {
+/// lanes, and each lane keeps its own. `first` is the packet's first shot.
+RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals& scene, const RTCRayHit8& packet,
+                               std::size_t first, Met& met) {
+  const Shading* const shading = scene.shading.data();
   const RTCRay8& ray = packet.ray;
   const RTCHit8& hit = packet.hit;
   const SurfaceNumbers surface(hit);
   LaneArray along;
   LaneArray reflectance;
+  LaneArray variation;
   along.fill(0.0F);
   reflectance.fill(0.0F);
+  variation.fill(0.0F);
   float retro_gain = 0.0F;
+  bool covered = false;
   unsigned done = RTC_INVALID_GEOMETRY_ID;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     if (surface[lane] == done || surface[lane] == RTC_INVALID_GEOMETRY_ID) {
       continue;
     }
     done = surface[lane];
-    const float* const R = shading[done].R_WM.data();
-    const float its_reflectance = shading[done].reflectance;
-    retro_gain += shading[done].retro_gain;
+    const Shading& its = shading[done];
+    const Eigen::Matrix3f turn = its.R_WM;  // copies: what is behind a pointer may change
+    const float* const R = turn.data();
+    const float its_reflectance = its.reflectance;
+    const float its_variation = its.variation;
+    retro_gain += its.retro_gain;
+    covered = covered || its.cover != nullptr;
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
       const float x = R[0] * hit.Ng_x[i] + R[3] * hit.Ng_y[i] + R[6] * hit.Ng_z[i];
       const float y = R[1] * hit.Ng_x[i] + R[4] * hit.Ng_y[i] + R[7] * hit.Ng_z[i];
       const float z = R[2] * hit.Ng_x[i] + R[5] * hit.Ng_y[i] + R[8] * hit.Ng_z[i];
       const float dot = x * ray.dir_x[i] + y * ray.dir_y[i] + z * ray.dir_z[i];
-      along[i] = surface[i] == done ? dot : along[i];
-      reflectance[i] = surface[i] == done ? its_reflectance : reflectance[i];
+      const bool mine = surface[i] == done;
+      along[i] = choose(mine, dot, along[i]);
+      reflectance[i] = choose(mine, its_reflectance, reflectance[i]);
+      variation[i] = choose(mine, its_variation, variation[i]);
     }
+  }
+  if (covered) {
+    cover_reflectance(scene, packet, surface, reflectance);
   }
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
     // Rotations leave the normal's length as it is.
     const float square =
         hit.Ng_x[i] * hit.Ng_x[i] + hit.Ng_y[i] * hit.Ng_y[i] + hit.Ng_z[i] * hit.Ng_z[i];
-    // Reflectance times f(theta), cos(theta) = |n . d| / |n|.
-    const bool met = (surface[i] != RTC_INVALID_GEOMETRY_ID) & (square > 0.0F);
-    incidence.cosine[i] = met ? std::abs(along[i]) / std::sqrt(square) : 0.0F;
-    incidence.brightness[i] = reflectance[i] * incidence_share(incidence.cosine[i]);
+    // cos(theta) = |n . d| / |n|.
+    const bool any = (surface[i] != RTC_INVALID_GEOMETRY_ID) & (square > 0.0F);
+    met.range_m[first + i] = ray.tfar[i];
+    met.cosine[first + i] = any ? std::abs(along[i]) / std::sqrt(square) : 0.0F;
+    met.reflectance[first + i] = reflectance[i];
+    met.retro[first + i] = 0.0F;
+  }
+  if (scene.varies) {
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      met.variation[first + i] = variation[i];
+      met.x[first + i] = ray.org_x[i] + ray.tfar[i] * ray.dir_x[i];
+      met.y[first + i] = ray.org_y[i] + ray.tfar[i] * ray.dir_y[i];
+      met.z[first + i] = ray.org_z[i] + ray.tfar[i] * ray.dir_z[i];
+    }
   }
   if (retro_gain > 0.0F) {
-    add_retro_reflectors(shading, surface, incidence);
+    add_retro_reflectors(shading, surface, first, met);
   }
 }
 
-/// What the receiver reports.
-struct Window {
+/// Reflectances of the places that were met.
+RIGWIRE_WIDE_VECTORS void vary(const GrainLattice& lattice, std::size_t count, Met& met) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    met.reflectance[i] =
+        grained(met.reflectance[i], met.variation[i], met.x[i], met.y[i], met.z[i], lattice);
+  }
+}
+
+/// What the receiver reports, and how exactly.
+struct Receiver {
   float minimum_m;
   float maximum_m;
   float echo_limit_m2;  ///< One over the least energy of an echo.
+  float sigma_m;
+  float reflectivity_sigma;
+  float onset;
 };
 
-RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence,
-                                  const float* errors_m, const Window& window,
-                                  std::array<LidarReturn, kLanes>& echoes) {
-  LaneArray range_m;
-  LaneArray reflectivity;
+/// Errors of the shots, and in their places what is reported.
+struct Report {
+  ShotArray range_m;       ///< Before: the normal number of the range's noise.
+  ShotArray reflectivity;  ///< Before: that of the reflectivity's.
+};
+
+RIGWIRE_WIDE_VECTORS void receive(const Met& met, const ClearEcho::LaserErrors& lasers,
+                                  const Receiver& receiver, std::size_t count, Report& report) {
+  const float* const bias_m = lasers.bias_m.data();
+  const float* const gain = lasers.gain.data();
 #pragma GCC ivdep
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    const float brightness = incidence.brightness[i];
-    const float range = ray.tfar[i];
-    const float measured = range + errors_m[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    // Reflectance times f(theta), and what is sent straight back.
+    const float brightness = met.reflectance[i] * incidence_share(met.cosine[i]) + met.retro[i];
+    const float range = met.range_m[i];
     // Energy rho f(theta) / r^2 at or above the least that is detected (link_budget.h).
-    const bool seen = (window.echo_limit_m2 * brightness >= range * range) &
-                      (range >= window.minimum_m) & (measured >= window.minimum_m) &
-                      (measured <= window.maximum_m);
-    range_m[i] = seen ? measured : 0.0F;
-    reflectivity[i] = seen ? reported_reflectivity(brightness) : 0.0F;
-  }
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    echoes[i] = {range_m[i], reflectivity[i]};
+    const float limit = receiver.echo_limit_m2 * brightness;
+    const float square = range * range;
+    // What is too faint has errors without end, and is not reported.
+    const float own = receiver.onset * square / limit;
+    const float growth = __builtin_sqrtf(1.0F + own * own);  // noise_growth()
+    const float measured = range + (receiver.sigma_m * growth * report.range_m[i] + bias_m[i]);
+    const float reported = brightness * gain[i] *
+                           (1.0F + receiver.reflectivity_sigma * growth * report.reflectivity[i]);
+    const bool seen = (limit >= square) & (range >= receiver.minimum_m) &
+                      (measured >= receiver.minimum_m) & (measured <= receiver.maximum_m);
+    report.range_m[i] = choose(seen, measured, 0.0F);
+    report.reflectivity[i] = choose(seen, reported_reflectivity(reported), 0.0F);
   }
 }
 
 void tell_truth(const BlockCast& cast, const LaneMap& map, const Scene::Internals& scene,
-                const RTCRayHit8& packet, const LaneArray& cosine) {
+                const RTCRayHit8& packet, const float* cosine) {
   const SurfaceNumbers surface(packet.hit);
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const std::uint32_t laser = map.laser[lane];
@@ -119,37 +173,59 @@ void tell_truth(const BlockCast& cast, const LaneMap& map, const Scene::Internal
   }
 }
 
-}  // namespace
-
-ClearEcho::ClearEcho(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
-                     const EchoModel& receiver, std::uint64_t noise_key)
-    : minimum_m_(static_cast<float>(pattern.minimum_range_m)),
-      maximum_m_(static_cast<float>(pattern.maximum_range_m)),
-      sigma_m_(static_cast<float>(parameters.range_sigma_m)),
-      echo_limit_m2_(1.0F / receiver.threshold()),
-      noise_key_(noise_key) {
-  for (std::size_t laser = 0; laser < kMaxLasers; ++laser) {
-    biases_m_[laser] = receiver.bias_m(laser);
+/// Returns of all shots to their firings.
+void write(const BlockCast& cast, const Report& report) {
+  std::array<std::array<LidarReturn*, kMaxBanks>, kLanes> returns;
+  for (std::size_t place = 0; place < cast.block.count; ++place) {
+    for (std::size_t bank = 0; bank < cast.banks; ++bank) {
+      returns[place][bank] = cast.firings[cast.bank_of(place, bank * kBankLasers)].strongest.data();
+    }
+  }
+  std::size_t shot = 0;
+  for (const RingPacket& plan : cast.packets) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane, ++shot) {
+      const std::uint32_t laser = plan.map.laser[lane];
+      returns[plan.map.firing[lane]][laser / kBankLasers][laser % kBankLasers] = {
+          report.range_m[shot], report.reflectivity[shot]};
+    }
   }
 }
 
-void ClearEcho::draw_errors(const BlockCast& cast, std::span<float> errors_m) const {
-  const auto drawn = errors_m.first(cast.packets.size() * kLanes);
-  std::ranges::fill(drawn, 0.0F);
-  if (sigma_m_ > 0.0F) {
-    std::array<std::uint64_t, kMaxLasers * kLanes> shots;
-    std::uint64_t* shot = shots.data();
-    for (const RingPacket& plan : cast.packets) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        *shot++ = cast.shot_number(plan.map.firing[lane], plan.map.laser[lane]);
-      }
-    }
-    gaussian(noise_key_, std::span(shots).first(drawn.size()), drawn);
+/// Random numbers of all shots of the block.
+void draw(const BlockCast& cast, std::uint64_t key, std::size_t count, Report& report) {
+  std::array<std::uint64_t, kMostShots> shots;
+  std::array<std::uint64_t, kLanes> firings;  // number of the first laser's shot
+  for (std::size_t place = 0; place < cast.block.count; ++place) {
+    firings[place] = cast.shot_number(place, 0);
   }
-  float* error_m = drawn.data();
+  std::uint64_t* shot = shots.data();
   for (const RingPacket& plan : cast.packets) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane, ++error_m) {
-      *error_m = sigma_m_ * *error_m + biases_m_[plan.map.laser[lane]];
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      *shot++ = firings[plan.map.firing[lane]] + plan.map.laser[lane];
+    }
+  }
+  gaussian(key, std::span(shots).first(count), std::span(report.range_m).first(count),
+           std::span(report.reflectivity).first(count));
+}
+
+}  // namespace
+
+ClearEcho::ClearEcho(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
+                     const EchoModel& receiver, const HeadLanes& head, std::uint64_t noise_key)
+    : minimum_m_(static_cast<float>(pattern.minimum_range_m)),
+      maximum_m_(static_cast<float>(pattern.maximum_range_m)),
+      sigma_m_(static_cast<float>(parameters.range_sigma_m)),
+      reflectivity_sigma_(static_cast<float>(parameters.reflectivity_sigma)),
+      onset_(receiver.noise_onset()),
+      echo_limit_m2_(1.0F / receiver.threshold()),
+      noise_key_(noise_key) {
+  for (std::size_t firings = 1; firings <= kLanes; ++firings) {
+    LaserErrors& errors = errors_[firings - 1];
+    for (const RingPacket& plan : head.packets(firings)) {
+      for (const std::uint32_t laser : plan.map.laser) {
+        errors.bias_m.push_back(receiver.bias_m(laser));
+        errors.gain.push_back(receiver.reflectivity_gain(laser));
+      }
     }
   }
 }
@@ -163,28 +239,32 @@ void ClearEcho::cast(const BlockCast& cast) const {
   alignas(32) std::array<int, kLanes> valid;
   valid.fill(-1);
 
-  const Window window{minimum_m_, maximum_m_, echo_limit_m2_};
-  alignas(32) std::array<float, kMaxLasers * kLanes> errors_m;
-  draw_errors(cast, errors_m);
+  Met met;
   RTCRayHit8 packet{};
-  Incidence incidence;
-  std::array<LidarReturn, kLanes> echoes;
-  const float* packet_errors_m = errors_m.data();
+  std::size_t count = 0;  // of shots so far
   for (const RingPacket& plan : cast.packets) {
     fill_packet(cast.block, plan, cast.limits, packet);
     in.intersect(valid.data(), context, packet);
-    meet(in.shading.data(), packet, incidence);
-    receive(packet.ray, incidence, packet_errors_m, window, echoes);
-    packet_errors_m += kLanes;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const std::uint32_t laser = plan.map.laser[lane];
-      const std::size_t bank = cast.bank_of(plan.map.firing[lane], laser);
-      cast.firings[bank].strongest[laser % kBankLasers] = echoes[lane];
-    }
+    meet(in, packet, count, met);
     if (!cast.truth.empty()) {
-      tell_truth(cast, plan.map, in, packet, incidence.cosine);
+      tell_truth(cast, plan.map, in, packet, &met.cosine[count]);
     }
+    count += kLanes;
   }
+  if (in.varies) {
+    vary(GrainLattice(in.origin_W), count, met);
+  }
+  Report report;
+  if (sigma_m_ > 0.0F || reflectivity_sigma_ > 0.0F) {
+    draw(cast, noise_key_, count, report);
+  } else {
+    std::fill_n(report.range_m.begin(), count, 0.0F);
+    std::fill_n(report.reflectivity.begin(), count, 0.0F);
+  }
+  receive(met, errors_[cast.block.count - 1],
+          {minimum_m_, maximum_m_, echo_limit_m2_, sigma_m_, reflectivity_sigma_, onset_}, count,
+          report);
+  write(cast, report);
 }
 
 }  // namespace rigwire::sim

@@ -237,6 +237,7 @@ WeatherBeam DepthImageLidar::weather_beam(const Pending& pending, std::size_t la
           .direction_W = X_WS.linear() * line.direction_S,
           .near_m = echo_model_.air_minimum_range_m(),
           .far_m = echo_model_.reach_m(),
+          .focus_m = echo_model_.air_focus_range_m(),
           .divergence_rad = std::sqrt(pattern_.beam.horizontal_divergence_rad *
                                       pattern_.beam.vertical_divergence_rad),
           .pulse_m = 0.5 * kSpeedOfLight_mps * to_seconds(pattern_.beam.pulse),

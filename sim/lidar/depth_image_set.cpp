@@ -5,6 +5,7 @@
 
 #include "fields/constants.h"
 #include "sim/lidar/depth_image_lookup.h"
+#include "sim/lidar/hit_surface.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
@@ -101,7 +102,14 @@ SeenSurface DepthImageSet::see(const Scene& scene, std::size_t laser, double azi
   }
   const float cosine = std::abs(image.normal_S(found.pixel).dot(beam.direction_S.cast<float>()));
   const Scene::Internals::Shading& shading = scene.internals().shading[surface];
-  return {range_m, shading.reflectance, shading.retro_gain, cosine};
+  float reflectance = shading.reflectance;
+  if (scene.internals().varies) {
+    const Eigen::Vector3d& origin_W = scene.internals().origin_W;
+    const Eigen::Vector3d met_W = X_WS_ * (beam.start_S + range_m * beam.direction_S);
+    reflectance = varied_reflectance(scene.internals(), GrainLattice(origin_W), surface,
+                                     (met_W - origin_W).cast<float>());
+  }
+  return {range_m, reflectance, shading.retro_gain, cosine};
 }
 
 }  // namespace rigwire::sim

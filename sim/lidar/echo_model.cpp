@@ -20,12 +20,15 @@ EchoModel::EchoModel(const SpinningLidarParameters& parameters, const LidarPatte
     : noise_(parameters.range_noise),
       sigma_m_(static_cast<float>(parameters.range_sigma_m)),
       resolution_m_(static_cast<float>(parameters.range_resolution_m)),
+      onset_(noise_ == RangeNoise::jitter ? static_cast<float>(parameters.noise_onset) : 0.0F),
+      reflectivity_sigma_(static_cast<float>(parameters.reflectivity_sigma)),
+      air_focus_m_(parameters.air_focus_range_m),
       minimum_m_(static_cast<float>(pattern.minimum_range_m)),
       maximum_m_(static_cast<float>(pattern.maximum_range_m)),
       drop_rate_(parameters.drop_rate),
       drop_limit_(parameters.drop_limit),
       drop_at_zero_(parameters.drop_at_zero),
-      biased_(parameters.laser_bias_sigma_m > 0.0) {
+      biased_(parameters.laser_bias_sigma_m > 0.0 || parameters.laser_reflectivity_sigma > 0.0) {
   validate(parameters);
   const double reference_m =
       parameters.reference_range_m > 0.0 ? parameters.reference_range_m : pattern.maximum_range_m;
@@ -38,6 +41,7 @@ EchoModel::EchoModel(const SpinningLidarParameters& parameters, const LidarPatte
   if (noise_ == RangeNoise::signal) {
     sigma_m = range_spread_m(sigma_m, parameters.range_resolution_m, 1.0);
   }
+  sigma_m *= noise_growth(static_cast<double>(onset_), 1.0);
   reach_m_ =
       pattern.maximum_range_m + kErrorReach_sigma * (sigma_m + parameters.laser_bias_sigma_m);
   const std::string prefix(name);
@@ -46,6 +50,12 @@ EchoModel::EchoModel(const SpinningLidarParameters& parameters, const LidarPatte
     bias_m =
         static_cast<float>(parameters.laser_bias_sigma_m *
                            std::clamp(bias.gaussian(), -kGreatestBias_sigma, kGreatestBias_sigma));
+  }
+  RandomStream gain(seed, prefix + "/reflectivity");
+  for (float& one : gains_) {
+    one = static_cast<float>(
+        1.0 + parameters.laser_reflectivity_sigma *
+                  std::clamp(gain.gaussian(), -kGreatestBias_sigma, kGreatestBias_sigma));
   }
   RandomStream noise(seed, prefix + "/range");
   RandomStream loss(seed, prefix + "/loss");
@@ -57,28 +67,33 @@ EchoModel::EchoModel(const SpinningLidarParameters& parameters, const LidarPatte
 }
 
 void EchoModel::measure(const EchoLanes& echo, const ShotNumbers& shots, EchoRank rank,
-                        LaneArray& measured_m) const {
+                        LaneArray& measured_m, LaneArray& brightness) const {
   measured_m = echo.range_m;
-  if (sigma_m_ > 0.0F || noise_ == RangeNoise::signal) {
+  brightness = echo.brightness;
+  if (sigma_m_ > 0.0F || reflectivity_sigma_ > 0.0F || noise_ == RangeNoise::signal) {
     LaneArray normal;
-    gaussian_lanes(noise_keys_[static_cast<std::size_t>(rank)], shots, normal);
+    LaneArray speckle;
+    gaussian(noise_keys_[static_cast<std::size_t>(rank)], shots, normal, speckle);
+    LaneArray growth;
     LaneArray spread_m;
-    spread_m.fill(sigma_m_);
-    if (noise_ == RangeNoise::signal) {
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        // What is below the threshold is not reported; the limit keeps its spread finite.
-        const float signal_to_noise = std::max(echo.energy[i] / threshold_, 1.0F);
-        spread_m[i] = range_spread_m(sigma_m_, resolution_m_, signal_to_noise);
-      }
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      // What is below the threshold is not reported; the limit keeps its errors finite.
+      const float energy = std::max(echo.energy[i], threshold_);
+      growth[i] = noise_growth(onset_, threshold_ / energy);
+      spread_m[i] = noise_ == RangeNoise::signal
+                        ? range_spread_m(sigma_m_, resolution_m_, energy / threshold_)
+                        : sigma_m_ * growth[i];
     }
     for (std::size_t i = 0; i < kLanes; ++i) {
-      // Gaussian range noise, by signal to noise where asked for (link_budget.h).
+      // Gaussian range noise, by the signal where asked for (link_budget.h).
       measured_m[i] += spread_m[i] * normal[i];
+      brightness[i] *= 1.0F + reflectivity_sigma_ * growth[i] * speckle[i];
     }
   }
   if (biased_) {
     for (std::size_t i = 0; i < kLanes; ++i) {
       measured_m[i] += biases_m_[shots[i] % kMaxLasers];
+      brightness[i] *= gains_[shots[i] % kMaxLasers];
     }
   }
 }
@@ -86,13 +101,14 @@ void EchoModel::measure(const EchoLanes& echo, const ShotNumbers& shots, EchoRan
 EightReturns EchoModel::report(const EchoLanes& echo, const ShotNumbers& shots,
                                EchoRank rank) const {
   LaneArray measured_m;
-  measure(echo, shots, rank, measured_m);
+  LaneArray brightness;
+  measure(echo, shots, rank, measured_m, brightness);
   LaneArray reflectivity;
   EightReturns returns;
   for (std::size_t i = 0; i < kLanes; ++i) {
     const bool seen = (echo.energy[i] >= threshold_) & (echo.range_m[i] >= minimum_m_) &
                       (measured_m[i] >= minimum_m_) & (measured_m[i] <= maximum_m_);
-    reflectivity[i] = reported_reflectivity(echo.brightness[i]);
+    reflectivity[i] = reported_reflectivity(brightness[i]);
     returns[i] = seen ? LidarReturn{measured_m[i], reflectivity[i]} : LidarReturn{};
   }
   if (drop_rate_ > 0.0 || (drop_at_zero_ > 0.0 && drop_limit_ > 0.0)) {

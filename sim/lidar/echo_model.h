@@ -43,11 +43,17 @@ class EchoModel {
   /// The same for an echo of the air.
   [[nodiscard]] double air_threshold() const { return air_threshold_; }
   [[nodiscard]] double air_minimum_range_m() const { return air_minimum_m_; }
+  /// Where the receiver is focused, for the air (WeatherBeam::focus_m).
+  [[nodiscard]] double air_focus_range_m() const { return air_focus_m_; }
   [[nodiscard]] float minimum_range_m() const { return minimum_m_; }
   /// How far rays must go: what is beyond does not come into the range window by its errors.
   [[nodiscard]] double reach_m() const { return reach_m_; }
   /// Constant error of a laser.
   [[nodiscard]] float bias_m(std::size_t laser) const { return biases_m_[laser]; }
+  /// What it reports of the true reflectivity, about 1.
+  [[nodiscard]] float reflectivity_gain(std::size_t laser) const { return gains_[laser]; }
+  /// Of noise_growth(); 0: errors do not depend on the signal.
+  [[nodiscard]] float noise_onset() const { return onset_; }
 
   /// What is reported of the echoes, empty where they are too faint, outside the pattern's range
   /// window (before or after the errors came to them), or lost.
@@ -57,18 +63,21 @@ class EchoModel {
  private:
   static constexpr std::size_t kRanks = 3;
 
-  /// Ranges with their errors.
+  /// Ranges and brightnesses with their errors.
   void measure(const EchoLanes& echo, const ShotNumbers& shots, EchoRank rank,
-               LaneArray& measured_m) const;
+               LaneArray& measured_m, LaneArray& brightness) const;
   void lose(const LaneArray& reflectivity, const ShotNumbers& shots, EchoRank rank,
             EightReturns& returns) const;
 
   RangeNoise noise_;
   float sigma_m_;
   float resolution_m_;
+  float onset_;
+  float reflectivity_sigma_;
   float threshold_;
   double air_threshold_;
   double air_minimum_m_;
+  double air_focus_m_;
   float minimum_m_;
   float maximum_m_;
   double reach_m_;
@@ -77,6 +86,7 @@ class EchoModel {
   double drop_at_zero_;
   bool biased_;
   std::array<float, kMaxLasers> biases_m_{};
+  std::array<float, kMaxLasers> gains_{};
   std::array<std::uint64_t, kRanks> noise_keys_{};
   std::array<std::uint64_t, kRanks> loss_keys_{};
   std::uint64_t shot_loss_key_ = 0;

@@ -1,8 +1,41 @@
 #include "sim/lidar/hit_surface.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rigwire::sim {
+namespace {
+
+using Shading = Scene::Internals::Shading;
+
+/// Mean reflectance of a surface there.
+float mean_reflectance(const Shading& surface, const Eigen::Vector3d& origin_W, float x, float y) {
+  const Scene::Internals::Cover& cover = *surface.cover;
+  const double per_cell = 1.0 / cover.cell_m;
+  const double column = (origin_W.x() + static_cast<double>(x) - cover.origin_m.x()) * per_cell;
+  const double row = (origin_W.y() + static_cast<double>(y) - cover.origin_m.y()) * per_cell;
+  // A hit on the very edge may lie a rounding beyond it.
+  const auto within = [](double place, int count) {
+    return static_cast<std::size_t>(std::clamp(static_cast<int>(place), 0, count - 1));
+  };
+  const float own = cover.reflectances[cover.cells[within(row, cover.rows) *
+                                                       static_cast<std::size_t>(cover.columns) +
+                                                   within(column, cover.columns)]];
+  return own > 0.0F ? own : surface.reflectance;
+}
+
+RIGWIRE_WIDE_VECTORS void grain_lanes(const RTCRay8& ray, const GrainLattice& lattice,
+                                      const LaneArray& variation, LaneArray& reflectance) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    reflectance[i] =
+        grained(reflectance[i], variation[i], ray.org_x[i] + ray.tfar[i] * ray.dir_x[i],
+                ray.org_y[i] + ray.tfar[i] * ray.dir_y[i],
+                ray.org_z[i] + ray.tfar[i] * ray.dir_z[i], lattice);
+  }
+}
+
+}  // namespace
 
 // Neighbours mostly meet the same instance: one after the other is worked out for all lanes, and
 // each lane keeps what is its own.
@@ -48,6 +81,38 @@ RIGWIRE_WIDE_VECTORS void meet_surfaces(const Scene::Internals::Shading* shading
     const float square = x * x + y * y + z * z;
     surfaces.cosine[i] = square > 0.0F ? std::abs(along) / std::sqrt(square) : 0.0F;
   }
+}
+
+void cover_reflectance(const Scene::Internals& scene, const RTCRayHit8& packet,
+                       const SurfaceNumbers& surface, LaneArray& reflectance) {
+  const RTCRay8& ray = packet.ray;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (surface[i] != RTC_INVALID_GEOMETRY_ID && scene.shading[surface[i]].cover != nullptr) {
+      reflectance[i] = mean_reflectance(scene.shading[surface[i]], scene.origin_W,
+                                        ray.org_x[i] + ray.tfar[i] * ray.dir_x[i],
+                                        ray.org_y[i] + ray.tfar[i] * ray.dir_y[i]);
+    }
+  }
+}
+
+void vary_reflectance(const Scene::Internals& scene, const GrainLattice& lattice,
+                      const RTCRayHit8& packet, LaneArray& reflectance) {
+  const SurfaceNumbers surface(packet.hit);
+  cover_reflectance(scene, packet, surface, reflectance);
+  LaneArray variation;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    variation[i] =
+        surface[i] != RTC_INVALID_GEOMETRY_ID ? scene.shading[surface[i]].variation : 0.0F;
+  }
+  grain_lanes(packet.ray, lattice, variation, reflectance);
+}
+
+float varied_reflectance(const Scene::Internals& scene, const GrainLattice& lattice,
+                         std::uint32_t surface, const Eigen::Vector3f& p) {
+  const Shading& met = scene.shading[surface];
+  const float mean =
+      met.cover != nullptr ? mean_reflectance(met, scene.origin_W, p.x(), p.y()) : met.reflectance;
+  return met.variation > 0.0F ? grained(mean, met.variation, p.x(), p.y(), p.z(), lattice) : mean;
 }
 
 }  // namespace rigwire::sim

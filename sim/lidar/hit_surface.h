@@ -1,11 +1,13 @@
 // What a packet of eight rays has met, side by side.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "sim/lidar/ray_lanes.h"
+#include "sim/scene/reflectance_grain.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
@@ -34,5 +36,19 @@ struct HitSurfaces {
 /// have unit length.
 void meet_surfaces(const Scene::Internals::Shading* shading, const RTCRayHit8& packet,
                    HitSurfaces& surfaces);
+
+/// Reflectances of what a packet has met: those of the soils that lie on its terrains
+/// (Scene::cover_terrain). Needed where a surface has a cover.
+void cover_reflectance(const Scene::Internals& scene, const RTCRayHit8& packet,
+                       const SurfaceNumbers& surface, LaneArray& reflectance);
+
+/// The same, and those of the places that its rays have met (reflectance_grain.h). Needed where
+/// Scene::Internals::varies.
+void vary_reflectance(const Scene::Internals& scene, const GrainLattice& lattice,
+                      const RTCRayHit8& packet, LaneArray& reflectance);
+
+/// The same of one place, relative to the scene's local origin.
+[[nodiscard]] float varied_reflectance(const Scene::Internals& scene, const GrainLattice& lattice,
+                                       std::uint32_t surface, const Eigen::Vector3f& p);
 
 }  // namespace rigwire::sim

@@ -10,12 +10,14 @@ namespace rigwire::sim {
 
 using fields::in;
 using fields::IntegerRule;
+using fields::plain;
 
 namespace {
 
-constexpr std::array<fields::Choice<RangeNoise>, 2> kRangeNoises{
+constexpr std::array<fields::Choice<RangeNoise>, 3> kRangeNoises{
     {{RangeNoise::constant, "constant", "The same spread for every echo."},
-     {RangeNoise::signal, "signal", "Faint echoes are less exact."}}};
+     {RangeNoise::signal, "signal", "Spread of faint echoes by the root of their signal."},
+     {RangeNoise::jitter, "jitter", "Spread of faint echoes by their signal, as of Velodynes."}}};
 
 }  // namespace
 
@@ -34,6 +36,15 @@ void visit(fields::Visitor& v, SpinningLidarParameters& p) {
               w.number("range_resolution", p.range_resolution_m, in("mm").between(0, 1000),
                        "sqrt(2) times the spread of an echo that is just seen.");
             });
+  v.only_if(p.range_noise == RangeNoise::jitter, "range_noise", "range_noise: jitter",
+            [&p](fields::Visitor& w) {
+              w.number("noise_onset", p.noise_onset, plain().between(0, 100),
+                       "Signal over the faintest that is seen at which receiver noise sets in.");
+            });
+  v.number("reflectivity_sigma", p.reflectivity_sigma, in("%").between(0, 30),
+           "Spread of the reflectivity from shot to shot, as a share of it.");
+  v.number("laser_reflectivity_sigma", p.laser_reflectivity_sigma, in("%").between(0, 30),
+           "Spread of the lasers' constant errors of reflectivity, as a share of it.");
   v.number("laser_bias_sigma", p.laser_bias_sigma_m, in("mm").between(0, 1000),
            "Spread of the lasers' constant errors.");
   v.number("reference_range", p.reference_range_m, in("m").between(0, 1000),
@@ -42,10 +53,12 @@ void visit(fields::Visitor& v, SpinningLidarParameters& p) {
            "The same range for echoes of rain, fog and dust; 0 = reference_range.");
   v.number("air_minimum_range", p.air_minimum_range_m, in("m").between(0, 100),
            "Nearest echo of rain, fog and dust; 0 = that of surfaces.");
+  v.number("air_focus_range", p.air_focus_range_m, in("m").between(0, 100),
+           "Nearer, the lens images fog and haze wider than the detector; 0 = nowhere.");
   v.number("echo_separation", p.echo_separation_m, in("m").between(0, 100),
            "Of two echoes nearer than this the weaker one is lost.");
   v.boolean("compensates_incidence", p.compensates_incidence,
-            "Reflectivity is that of the surface met head on.");
+            "Reflectivity is that of the surface at normal incidence.");
   v.number("drop_rate", p.drop_rate, in("%").between(0, 100), "Shots that come to nothing.");
   v.number("drop_limit", p.drop_limit, in("%").between(0, 200),
            "Echoes of a lower reflectivity may be lost.");

@@ -8,7 +8,8 @@ namespace rigwire::sim {
 /// How the random error of a range is made.
 enum class RangeNoise {
   constant,  ///< The same spread for every echo.
-  signal     ///< Faint echoes are less exact (link_budget.h, range_spread_m).
+  signal,    ///< Faint echoes are less exact (link_budget.h, range_spread_m).
+  jitter     ///< Faint echoes are less exact (link_budget.h, noise_growth).
 };
 
 struct SpinningLidarParameters {
@@ -26,6 +27,17 @@ struct SpinningLidarParameters {
   /// spread, beside range_sigma_m. 0.09 m: Kilic et al., "Lidar Light Scattering Augmentation
   /// (LISA)", arXiv 2107.07004, 2021.
   double range_resolution_m = 0.09;
+  /// With RangeNoise::jitter: the signal, in multiples of the faintest that is seen, at which the
+  /// receiver's own noise is as large as the rest of the error. It makes the reflectivity of faint
+  /// echoes less exact by the same factor.
+  double noise_onset = 3.0;
+  /// Spread of the reflectivity from shot to shot, as a share of it: speckle, and what the receiver
+  /// does to a strong signal.
+  double reflectivity_sigma = 0.0;
+  /// Spread of the lasers' constant errors of reflectivity, as a share of it: what is left after
+  /// the unit's calibration. One number per laser for the whole run, cut off at
+  /// kGreatestBias_sigma. It changes what is reported, not what is seen.
+  double laser_reflectivity_sigma = 0.0;
   /// Spread of the constant errors of the lasers, one number per laser for the whole run, cut off
   /// at kGreatestBias_sigma: a unit beyond its data sheet does not leave the factory.
   double laser_bias_sigma_m = 0.0;
@@ -39,6 +51,9 @@ struct SpinningLidarParameters {
   /// Nearest echo of the air: nearer, the fields of transmitter and receiver do not overlap. 0: the
   /// pattern's minimum range.
   double air_minimum_range_m = 0.0;
+  /// Nearer, fog and haze are received with the share (range / focus)^2 of their light: the width
+  /// of the lens over the detector's angle (WeatherBeam::focus_m). 0: all of it.
+  double air_focus_range_m = 0.0;
   /// Of two echoes nearer to each other than this the weaker one is not reported.
   double echo_separation_m = 1.0;
   /// The reported reflectivity is that of the surface met head on. The real sensors do not know the

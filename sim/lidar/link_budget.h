@@ -82,4 +82,21 @@ template <class Real>
   return std::sqrt(floor_m * floor_m + Real{0.5} * resolution_m * resolution_m / signal_to_noise);
 }
 
+/// Factor by which the errors of an echo are larger than those of a strong one. `faintness` is the
+/// least energy that is seen over the echo's, 0 .. 1; at 1 / `onset` the receiver's noise is as
+/// large as all other errors, which are independent of it.
+///
+/// A pulse is timed where its slope crosses a threshold: the error of that instant is the noise
+/// over the slope, and the slope is in proportion to the signal. Walls in a public scan of an
+/// HDL-32E (open-mmlab/mmdetection3d demo/data/nuscenes, nuScenes n015-2018-07-24-11-22-45, above
+/// 0.6 m): second differences along azimuth over sqrt(6), by their median, for echoes of 1 .. 2, 2
+/// .. 4, 4 .. 8, 8 .. 16, 16 .. 64 times the faintest (reference range 150 m): 13.4, 7.3, 6.0, 4.8,
+/// 4.8 mm. An onset of 3 on 4.9 mm gives 11.6, 7.2, 5.6, 5.1, 4.9 mm; a law by the root of the
+/// signal (range_spread_m) with the first of these figures 13, 9.8, 7.7, 6.5, 5.5 mm.
+template <class Real>
+[[nodiscard]] Real noise_growth(Real onset, Real faintness) {
+  const Real own = onset * faintness;
+  return std::sqrt(Real{1} + own * own);
+}
+
 }  // namespace rigwire::sim

@@ -74,14 +74,17 @@ inline float natural_logarithm(float x) {
 }  // namespace
 
 RIGWIRE_WIDE_VECTORS void gaussian(std::uint64_t key, std::span<const std::uint64_t> shots,
-                                   std::span<float> normal) {
+                                   std::span<float> normal, std::span<float> speckle) {
   // In blocks: the whole of one step before the next, because a number's steps wait for each other.
   constexpr std::size_t kBlock = 64;
   alignas(32) std::array<std::int32_t, kBlock> drawn;
+  alignas(32) std::array<std::uint32_t, kBlock> others;
   for (std::size_t begin = 0; begin < shots.size(); begin += kBlock) {
     const std::size_t count = std::min(kBlock, shots.size() - begin);
     for (std::size_t i = 0; i < count; ++i) {
-      drawn[i] = static_cast<std::int32_t>(counter_bits(key, shots[begin + i]) >> 32U);
+      const std::uint64_t bits = counter_bits(key, shots[begin + i]);
+      drawn[i] = static_cast<std::int32_t>(bits >> 32U);
+      others[i] = static_cast<std::uint32_t>(bits);
     }
     float* const target = normal.data() + begin;
 #pragma GCC ivdep
@@ -97,6 +100,17 @@ RIGWIRE_WIDE_VECTORS void gaussian(std::uint64_t key, std::span<const std::uint6
       const float outer = q < 0.0F ? -size : size;
       const bool middle = nearer_end >= 0.5F - static_cast<float>(kCentralHalfWidth);
       target[i] = middle ? central : outer;
+    }
+    if (speckle.empty()) {
+      continue;
+    }
+    float* const sum = speckle.data() + begin;
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < count; ++i) {
+      // Four bytes, each of 0 .. 255: mean 510, variance 4 (256^2 - 1) / 12 = 147.8^2.
+      const std::uint32_t pairs = (others[i] & 0x00FF00FFU) + ((others[i] >> 8U) & 0x00FF00FFU);
+      const auto bytes = static_cast<std::int32_t>((pairs & 0xFFFFU) + (pairs >> 16U));
+      sum[i] = static_cast<float>(bytes - 510) * static_cast<float>(1.0 / 147.80054);
     }
   }
 }

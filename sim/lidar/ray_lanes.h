@@ -92,10 +92,10 @@ void fill_rays(const FiringLanes& firing, const LaserLanes& laser, const RayLimi
 /// A standard normal number for each shot, of (key, shot) alone; at most 6.3 in size, because it is
 /// the quantile of one of 2^32 equally probable numbers. Cheapest for many at a time. Precondition:
 /// both spans have the same length.
-void gaussian(std::uint64_t key, std::span<const std::uint64_t> shots, std::span<float> normal);
-inline void gaussian_lanes(std::uint64_t key, const std::array<std::uint64_t, kLanes>& shots,
-                           LaneArray& normal) {
-  gaussian(key, shots, normal);
-}
+///
+/// `speckle`, where it is not empty, gets a second number for each shot, independent of the first:
+/// mean 0, variance 1, nearly normal (the sum of four equally spread bytes, at most 3.45 in size).
+void gaussian(std::uint64_t key, std::span<const std::uint64_t> shots, std::span<float> normal,
+              std::span<float> speckle = {});
 
 }  // namespace rigwire::sim

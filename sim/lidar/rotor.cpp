@@ -61,7 +61,7 @@ void check(const LidarCommand& command) {
 
 void visit(fields::Visitor& v, RotorParameters& p) {
   v.boolean("starts_at_rest", p.starts_at_rest,
-            "Whether it stands at the start; else it turns as commanded.");
+            "Whether it is at rest at the start; otherwise it turns as commanded.");
   v.number("time_constant", p.time_constant_s, in("s").between(0.001, 60),
            "Time constant of the speed controller.");
   v.number("acceleration", p.acceleration_radps2, in("rad/s2").between(0.1, 10000),

@@ -32,7 +32,7 @@ void check(const LidarPattern& pattern, const SamplePlan& plan) {
 
 /// Whether ClearEcho does all that is asked for, but for the width of beams.
 bool is_plain(const SpinningLidarParameters& p) {
-  return p.blooming_share == 0.0 && p.range_noise == RangeNoise::constant &&
+  return p.blooming_share == 0.0 && p.range_noise != RangeNoise::signal &&
          !p.compensates_incidence && p.drop_rate == 0.0 && p.drop_at_zero == 0.0;
 }
 
@@ -71,7 +71,7 @@ struct SpinningLidar::Slice {
       : head(pattern),
         single(with_rays(parameters, rays_per_beam(parameters, false)), pattern, seed, name),
         several(with_rays(parameters, rays_per_beam(parameters, true)), pattern, seed, name),
-        clear_echo(parameters, pattern, single.echo_model(),
+        clear_echo(parameters, pattern, single.echo_model(), head,
                    RandomStream(seed, std::string(name) + "/range").bits()),
         workers(parameters.threads) {}
 

@@ -1,15 +1,24 @@
 #include "sim/lidar/worker_pool.h"
 
 #include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 namespace rigwire::sim {
+namespace {
+
+/// Of threads of spare time: beside one that is as busy they have a tenth of a processor. With
+/// SCHED_IDLE it was three thousandths, and whoever waited for a task in such a thread's hand
+/// waited for seconds while other programs were busy.
+constexpr int kNiceness = 10;
+
+}  // namespace
 
 WorkerPool::WorkerPool(int threads, PoolPriority priority) : priority_(priority) {
   for (int i = 1; i < threads; ++i) {
     threads_.emplace_back([this, priority] {
       if (priority == PoolPriority::spare_time) {
-        const sched_param none{};
-        (void)::sched_setscheduler(0, SCHED_IDLE, &none);  // of this thread; needs no privilege
+        (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);
       }
       work();
     });

@@ -10,9 +10,8 @@
 
 namespace rigwire::sim {
 
-/// When the threads that a pool starts run: as their starter does, or on processors that have
-/// nothing else to do (Linux' SCHED_IDLE). Those give way to everybody at once, between tasks, and
-/// who wakes up finds their processor as good as idle.
+/// When the threads that a pool starts run: as their starter does, or behind everybody else (nice),
+/// and then they give way between tasks.
 enum class PoolPriority { as_starter, spare_time };
 
 class WorkerPool {

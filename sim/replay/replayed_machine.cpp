@@ -88,6 +88,7 @@ class ReplayedMachine::Vehicle final : public VehiclePort {
     commanded_ = command;
   }
   [[nodiscard]] EngineData engine_data() const override { return model_.engine_data(); }
+  [[nodiscard]] bool steers_rear() const override { return model_.steers_rear(); }
   [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const override {
     VehicleSample sample = model_.vehicle_sample(time);
     if (!take_recorded(machine_.record_.vehicle, time, sample)) {

@@ -81,6 +81,9 @@ TEST_F(LidarKeys, ErrorsOfReceiverAndRotorAreThoseOfTheModel) {
   const sim::SpinningHead head = sim::velodyne_head("VLP-32C");
   EXPECT_EQ(sensor.beam.range_sigma_m, head.receiver.range_sigma_m);
   EXPECT_EQ(sensor.beam.laser_bias_sigma_m, head.receiver.laser_bias_sigma_m);
+  EXPECT_EQ(sensor.beam.range_noise, head.receiver.range_noise);
+  EXPECT_EQ(sensor.beam.reflectivity_sigma, head.receiver.reflectivity_sigma);
+  EXPECT_EQ(sensor.beam.air_focus_range_m, head.receiver.air_focus_range_m);
   EXPECT_EQ(sensor.beam.reference_range_m, head.receiver.reference_range_m);
   EXPECT_EQ(sensor.rotor.encoder_noise_rad, head.rotor.encoder_noise_rad);
   EXPECT_EQ(settings().reference_range_m, head.receiver.reference_range_m);

@@ -66,6 +66,22 @@ TEST(LidarSensorKeys, WithoutKeysABeamIsOneRayWithConstantNoise) {
   EXPECT_EQ(sensor.blooming_share, 0.0);
 }
 
+TEST(LidarSensorKeys, NoiseOfReflectivityAndOfFaintEchoesIsReadInItsUnits) {
+  std::string findings;
+  const sim::SpinningLidarParameters sensor = read_sensor(
+      "range_noise: jitter\nnoise_onset: 4\nreflectivity_sigma: 3 %\n"
+      "laser_reflectivity_sigma: 12 %\nair_focus_range: 6 m\n",
+      findings);
+  EXPECT_EQ(findings, "");
+  EXPECT_EQ(sensor.range_noise, sim::RangeNoise::jitter);
+  EXPECT_DOUBLE_EQ(sensor.noise_onset, 4.0);
+  EXPECT_DOUBLE_EQ(sensor.reflectivity_sigma, 0.03);
+  EXPECT_DOUBLE_EQ(sensor.laser_reflectivity_sigma, 0.12);
+  EXPECT_DOUBLE_EQ(sensor.air_focus_range_m, 6.0);
+  (void)read_sensor("range_noise: constant\nnoise_onset: 4\n", findings);
+  EXPECT_NE(findings.find("noise_onset"), std::string::npos) << "it would have no effect";
+}
+
 TEST(LidarSensorKeys, WhatTheModelDoesNotKnowIsRefusedWithWhatItKnows) {
   std::string findings;
   (void)read_sensor("sub_rays: 7\n", findings);

@@ -96,6 +96,80 @@ TEST(EchoModel, NoiseBySignalFollowsTheSignalToNoiseRatio) {
   }
 }
 
+TEST(EchoModel, JitterFallsWithTheSignal) {
+  const EchoModel model = model_of([](auto& p) {
+    p.range_noise = RangeNoise::jitter;
+    p.range_sigma_m = 0.005;
+    p.noise_onset = 3.0;
+    p.reflectivity_sigma = 0.04;
+  });
+  for (const double snr : {1.001, 3.0, 10.0, 100.0}) {
+    const auto brightness = static_cast<float>(snr * 0.9 * 0.04);
+    const double expected = 0.005 * std::hypot(1.0, 3.0 / snr);
+    const Statistics found = measure(model, all(20.0F, brightness));
+    EXPECT_NEAR(found.sigma, expected, 3.0 * expected / std::sqrt(8e4)) << snr;
+    // The reflectivity by the same factor; 40 000 draws.
+    double squares = 0.0;
+    for (int packet = 0; packet < kPackets; ++packet) {
+      for (const LidarReturn& one :
+           model.report(all(20.0F, brightness), shots(packet), EchoRank::strongest)) {
+        const double off = static_cast<double>(one.reflectivity / brightness) - 1.0;
+        squares += off * off / (kPackets * double{kLanes});
+      }
+    }
+    if (brightness < 0.8F) {
+      const double share = 0.04 * std::hypot(1.0, 3.0 / snr);
+      EXPECT_NEAR(std::sqrt(squares), share, 0.01 * share) << snr;
+    }
+  }
+}
+
+TEST(EchoModel, SpeckleIsIndependentOfTheRangeNoiseAndFromShotToShot) {
+  for (const std::uint64_t key : {1U, 99U}) {
+    std::vector<std::uint64_t> numbers(200'000);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      numbers[i] = i * kMaxLasers;
+    }
+    std::vector<float> normal(numbers.size());
+    std::vector<float> speckle(numbers.size());
+    gaussian(key, numbers, normal, speckle);
+    double sum = 0.0;
+    double squares = 0.0;
+    double with_range = 0.0;
+    double with_next = 0.0;
+    const auto count = static_cast<double>(numbers.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const double one = speckle[i];
+      sum += one / count;
+      squares += one * one / count;
+      with_range += one * static_cast<double>(normal[i]) / count;
+      with_next += i > 0 ? one * static_cast<double>(speckle[i - 1]) / count : 0.0;
+      EXPECT_LE(std::abs(one), 3.46);
+    }
+    const double tolerance = 4.0 / std::sqrt(count);
+    EXPECT_NEAR(sum, 0.0, tolerance);
+    EXPECT_NEAR(squares, 1.0, std::sqrt(2.0) * tolerance);
+    EXPECT_NEAR(with_range, 0.0, tolerance);
+    EXPECT_NEAR(with_next, 0.0, tolerance);
+  }
+}
+
+TEST(EchoModel, ALasersReflectivityChangesWhatIsReportedAndNotWhatIsSeen) {
+  const EchoModel model = model_of([](auto& p) {
+    p.range_sigma_m = 0.0;
+    p.laser_reflectivity_sigma = 0.2;
+  });
+  for (std::size_t laser = 0; laser < kMaxLasers; ++laser) {
+    const EightReturns near = model.report(all(20.0F, 0.4F), shots(3, laser), EchoRank::strongest);
+    EXPECT_FLOAT_EQ(near[0].reflectivity, 0.4F * model.reflectivity_gain(laser));
+    const auto at = [&](float range_m) {
+      return model.report(all(range_m, 0.1F), shots(3, laser), EchoRank::strongest)[0].range_m;
+    };
+    EXPECT_GT(at(33.3F), 0.0F);  // 100 m sqrt(0.1 / 0.9)
+    EXPECT_EQ(at(33.4F), 0.0F);
+  }
+}
+
 TEST(EchoModel, ConstantAndSignalErrorsAddAsIndependentOnes) {
   EXPECT_NEAR(range_spread_m(0.03, 0.08, 2.0), 0.05, 1e-15);  // 0.04 = 0.08 / sqrt(4)
 }
@@ -219,7 +293,7 @@ TEST(EchoModel, ParametersThatMakeNoSenseAreRefusedByName) {
           [](auto& p) { p.reference_range_m = -1.0; });
   refused("laser_bias_sigma: found 2000 mm, allowed 0 .. 1000 mm",
           [](auto& p) { p.laser_bias_sigma_m = 2.0; });
-  refused("range_noise: holds none of its names, allowed constant, signal",
+  refused("range_noise: holds none of its names, allowed constant, signal, jitter",
           [](auto& p) { p.range_noise = static_cast<RangeNoise>(9); });
 }
 

@@ -43,6 +43,8 @@ void visit(fields::Visitor& v, PlacedShape& p) {
   v.section("rotation", p.rotation, "Rotation of the shape's axes.");
   v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse reflectance at 905 nm.");
   v.text("label", p.label, "What the surface is, for recordings.");
+  v.number("retro_gain", p.retro_gain, plain().between(0, 1),
+           "Of a retro-reflector; 1 is an ideal one, 0 is none.");
 }
 
 using fields::in;

@@ -49,6 +49,7 @@ struct PlacedShape {
   RollPitchYaw rotation;
   double reflectance = 0.3;  ///< Diffuse, at the lidar's wavelength (905 nm).
   std::string label = "object";
+  double retro_gain = 0.0;  ///< Of a retro-reflector, 1 is an ideal one (sim/scene/scene.h).
 };
 void visit(fields::Visitor& v, PlacedShape& p);
 

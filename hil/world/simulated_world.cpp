@@ -138,15 +138,20 @@ void SimulatedWorld::sample_step(const WorldStep& step, Shelves& samples) {
 
 void SimulatedWorld::prepare_scene(SimTime t0, SimTime t1) {
   const StageTimer timer(stages_.ray_casting_s);
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    bodies_[i] = {slice_start_[i].X_WL, after_[i].X_WL};
-  }
   dug_ = content_.machine->take_ground_changes();
   if (dug_) {
     content_.scene->update_terrain(content_.terrain, content_.ground->field(), *dug_);
   }
   show_leaning();
-  content_.scene->begin_slice(t0, t1, after_.front().X_WL.translation(), bodies_);
+  const Eigen::Vector3d focus_W = after_.front().X_WL.translation();
+  if (std::ranges::any_of(sensors_, &WorldSensor::looks_at_scene)) {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      bodies_[i] = {slice_start_[i].X_WL, after_[i].X_WL};
+    }
+    content_.scene->begin_slice(t0, t1, focus_W, bodies_);
+  } else {
+    content_.scene->pass_slice(t0, t1, focus_W);
+  }
   if (weather_ != nullptr) {
     weather_->advance(t1, content_.machine->dust_emitters());
   }

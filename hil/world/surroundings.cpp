@@ -40,6 +40,7 @@ class WorldAir final : public WorldSensor {
         faults_(std::move(faults)),
         before_the_first_(std::move(before_the_first)) {}
 
+  [[nodiscard]] bool looks_at_scene() const override { return false; }
   void take(SimTime frontier, const Shelves& requests) override {
     each_change<sim::AirFault>(requests, station_, [this, frontier](const auto& change) {
       std::exchange(before_the_first_, [](SimTime) {})(frontier);
@@ -62,6 +63,7 @@ class WorldPowerUnitFaults final : public WorldSensor {
         engine_(faults.engine.faults),
         pumps_(faults.pumps.faults) {}
 
+  [[nodiscard]] bool looks_at_scene() const override { return false; }
   void take(SimTime frontier, const Shelves& requests) override {
     each_change<sim::EngineFault>(requests, station_,
                                   [this](const auto& change) { change.apply(engine_); });

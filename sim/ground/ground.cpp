@@ -91,10 +91,7 @@ Ground::Ground(HeightField field, SoilMap soils, std::vector<Obstacle> obstacles
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     check_obstacle(obstacles_[i], i);
     shapes_.push_back(shape_of(obstacles_[i]));
-    // What a wheel rolls over whatever its height counts as low.
-    tops_m_.push_back(obstacles_[i].shape == ObstacleShape::sphere
-                          ? -std::numeric_limits<double>::infinity()
-                          : top_m(obstacles_[i]));
+    tops_m_.push_back(top_m(obstacles_[i]));
   }
   fill_bins();
   remember_ruts();
@@ -201,13 +198,16 @@ void Ground::near_obstacles(const Eigen::Vector2d& lower_m, const Eigen::Vector2
   }
 }
 
-bool Ground::too_high(std::size_t obstacle, const Eigen::Vector3d& centre_W) const {
-  if (tops_m_[obstacle] <= centre_W.z()) {
+bool Ground::rises_above(std::size_t obstacle, const Eigen::Vector3d& p_W) const {
+  if (tops_m_[obstacle] <= p_W.z()) {
     return false;
   }
-  // A ramp whose upper end is above the wheel, the wheel standing on its lower end.
-  const auto under = top(obstacles_[obstacle], centre_W.x(), centre_W.y());
-  return !under || under->height_m > centre_W.z();
+  const auto under = top(obstacles_[obstacle], p_W.x(), p_W.y());
+  return !under || under->height_m > p_W.z();
+}
+
+bool Ground::too_high(std::size_t obstacle, const Eigen::Vector3d& centre_W) const {
+  return obstacles_[obstacle].shape != ObstacleShape::sphere && rises_above(obstacle, centre_W);
 }
 
 bool Ground::lay(std::size_t obstacle, const Eigen::Isometry3d& X_WO) const {

@@ -152,7 +152,11 @@ class Ground {
   static constexpr std::size_t kMostLying = 64;
   [[nodiscard]] bool lay(std::size_t obstacle, const Eigen::Isometry3d& X_WO) const;
   [[nodiscard]] const ConvexShape& shape(std::size_t obstacle) const { return shapes_[obstacle]; }
-  /// Whether a wheel with its centre there cannot roll over it (wheel_contact()).
+  /// Whether it rises above the point, and not below it to where it is under the point: a ramp
+  /// whose upper end is above a wheel that stands on its lower end does not.
+  [[nodiscard]] bool rises_above(std::size_t obstacle, const Eigen::Vector3d& p_W) const;
+  /// Whether a wheel with its centre there cannot roll over it (wheel_contact()): it rises above
+  /// the centre and is no ball.
   [[nodiscard]] bool too_high(std::size_t obstacle, const Eigen::Vector3d& centre_W) const;
   /// Appends the indices of those that may touch the rectangle, some twice.
   void obstacles_near(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,
@@ -234,7 +238,7 @@ class Ground {
   };
 
   mutable std::vector<Obstacle> obstacles_;  ///< lay(), as the two below.
-  mutable std::vector<double> tops_m_;       ///< Their highest points; -infinity of balls.
+  mutable std::vector<double> tops_m_;       ///< Their highest points.
   mutable std::array<Lying, kMostLying> lying_;
   mutable std::size_t lying_count_ = 0;
   std::vector<ConvexShape> shapes_;  ///< Of the obstacles.

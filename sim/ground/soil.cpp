@@ -46,10 +46,12 @@ void visit(fields::Visitor& v, SoilParameters& p) {
   v.number("density", p.density_kgpm3, in("kg/m3").between(1, 30'000),
            "Density of the soil as it lies.");
   v.number("repose", p.repose_rad, in("deg").between(0.01, kSteepest_deg),
-           "Steepest slope at which the soil stands.");
+           "Steepest stable slope of the soil.");
   v.number("adhesion", p.adhesion_pa, in("kPa").between(0, 1e6), "Adhesion of the soil to steel.");
   v.number("tool_friction", p.tool_friction_rad, in("deg").between(0, kSteepest_deg),
            "Angle of friction of the soil against steel.");
+  v.number("reflectance", p.reflectance, plain().between(0, 1),
+           "Diffuse reflectance at 905 nm; 0 = that of the terrain's material.");
 }
 
 void validate(const SoilParameters& soil) {

@@ -37,6 +37,7 @@ struct SoilParameters {
   double repose_rad = 0.6458;             ///< Steepest slope at which it lies, 37 degrees.
   double adhesion_pa = 0.0;               ///< To steel; for digging.
   double tool_friction_rad = 0.35;        ///< Against steel; for digging.
+  double reflectance = 0.0;  ///< Diffuse, at 905 nm; 0: that of the terrain's material.
 
   friend bool operator==(const SoilParameters&, const SoilParameters&) = default;
 };

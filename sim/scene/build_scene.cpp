@@ -98,7 +98,9 @@ Clearings clearings(const SceneDescription& description, const std::vector<LaidT
     clear.ways.push_back({&laid.line, 0.5 * laid.track.width_m});
   }
   for (const BoxObject& box : description.boxes) {
-    cover(box, clear.keep_out);
+    if (box.solid || box.loose) {
+      cover(box, clear.keep_out);
+    }
   }
   return clear;
 }
@@ -173,6 +175,9 @@ void add_boxes(const SceneDescription& description, BuiltScene& built) {
     }
     tessellate(mesh, kLongestEdge_m);
     built.scene->add_object(built.scene->add_mesh(mesh), X_WM, 1.0, box.material);
+    if (!box.solid) {
+      continue;
+    }
     Obstacle& obstacle = built.obstacles.emplace_back();
     obstacle.shape = ObstacleShape::box;
     obstacle.X_WO = X_WM;
@@ -181,17 +186,20 @@ void add_boxes(const SceneDescription& description, BuiltScene& built) {
   }
 }
 
-/// What cameras see of the soils: each by its name.
+/// What cameras see of the soils, each by its name, and what lidars measure of them.
 void cover_with_soils(BuiltScene& built) {
   std::vector<std::string> names;
+  std::vector<double> reflectances;
   for (const SoilParameters& soil : built.soils.soils) {
     names.push_back(soil.name);
+    reflectances.push_back(soil.reflectance);
   }
   std::vector<std::uint8_t> cells = built.soils.cells;
   if (cells.empty()) {
     cells.assign((built.ground.columns - 1) * (built.ground.rows - 1), 0);
   }
-  built.scene->cover_terrain(built.terrain, std::move(names), std::move(cells));
+  built.scene->cover_terrain(built.terrain, std::move(names), std::move(cells),
+                             std::move(reflectances));
 }
 
 template <class Range, class Name>

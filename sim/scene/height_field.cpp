@@ -32,6 +32,17 @@ Eigen::Vector3d HeightField::centre_m() const {
           origin_m.y() + 0.5 * cell_m * static_cast<double>(rows - 1), 0.5 * (lowest + highest)};
 }
 
+std::vector<double> heights_in(const HeightField& field, const NodeRectangle& nodes) {
+  std::vector<double> heights_m;
+  heights_m.reserve(nodes.nodes());
+  for (std::size_t r = nodes.first_row; r <= nodes.last_row; ++r) {
+    for (std::size_t c = nodes.first_column; c <= nodes.last_column; ++c) {
+      heights_m.push_back(field.node(c, r));
+    }
+  }
+  return heights_m;
+}
+
 void validate(const HeightField& field) {
   constexpr std::size_t kMostNodes = 32767;
   const auto refuse = [](const std::string& what) {

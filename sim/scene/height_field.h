@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "sim/scene/node_rectangle.h"
+
 namespace rigwire::sim {
 
 /// Node (column c, row r) stands at origin_m + cell_m * (c, r) in the world, x east and y north, at
@@ -25,6 +27,9 @@ struct HeightField {
   /// Middle of the area, at the mean of lowest and highest node.
   [[nodiscard]] Eigen::Vector3d centre_m() const;
 };
+
+/// Of these nodes of the field, row by row.
+[[nodiscard]] std::vector<double> heights_in(const HeightField& field, const NodeRectangle& nodes);
 
 /// Throws std::invalid_argument when there are fewer than 2 or more than 32767 nodes along a side
 /// (the limit of the ray caster), the count of heights does not match, the cell is not positive, or

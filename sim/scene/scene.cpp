@@ -13,6 +13,7 @@
 #include "fields/check.h"
 #include "fields/visitor.h"
 #include "sim/scene/painted_surface.h"
+#include "sim/scene/reflectance_grain.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
@@ -101,18 +102,6 @@ double length_within(std::span<Crossing> crossings, double end_m) {
   return length_m;
 }
 
-/// Row by row.
-std::vector<double> heights_in(const HeightField& field, const NodeRectangle& nodes) {
-  std::vector<double> heights_m;
-  heights_m.reserve(nodes.nodes());
-  for (std::size_t r = nodes.first_row; r <= nodes.last_row; ++r) {
-    for (std::size_t c = nodes.first_column; c <= nodes.last_column; ++c) {
-      heights_m.push_back(field.node(c, r));
-    }
-  }
-  return heights_m;
-}
-
 }  // namespace
 
 void visit(fields::Visitor& v, Material& p) {
@@ -120,6 +109,8 @@ void visit(fields::Visitor& v, Material& p) {
   v.text("label", p.label, "What the surface is, for recordings.");
   v.number("retro_gain", p.retro_gain, plain().between(0, 1),
            "Of a retro-reflector; 1 is an ideal one, 0 is none.");
+  v.number("variation", p.variation, plain().between(0, 1),
+           "Spread of the reflectance over the surface, of things that do not move.");
   v.boolean("foliage", p.foliage, "Leaves in a closed surface: radio signals pass, weakened.");
   v.boolean("loose_leaves", p.loose_leaves, "Single leaves: radio signals pass.");
 }
@@ -186,7 +177,7 @@ GeometryHandle Scene::Internals::place_instance(RTCScene scene, const Placed& th
 Scene::InstanceId Scene::Internals::add_instance(MeshId mesh, std::uint32_t body,
                                                  const Eigen::Isometry3d& X_PM, double scale,
                                                  std::span<const Material> surfaces,
-                                                 std::string_view name) {
+                                                 std::string_view name, bool terrain) {
   const std::string who =
       "object '" + std::string(name) + "' with label '" + surfaces.front().label + "': ";
   if (!X_PM.matrix().allFinite()) {
@@ -208,8 +199,17 @@ Scene::InstanceId Scene::Internals::add_instance(MeshId mesh, std::uint32_t body
   std::uint32_t geometry_id = RTC_INVALID_GEOMETRY_ID;  // of the first part
   for (const Material& surface : surfaces) {
     const auto id = static_cast<InstanceId>(instances.size());
-    const Shading shown{X_PM.linear().cast<float>(), static_cast<float>(surface.reflectance),
-                        static_cast<float>(surface.retro_gain)};
+    Shading shown{X_PM.linear().cast<float>(), static_cast<float>(surface.reflectance),
+                  static_cast<float>(surface.retro_gain)};
+    if (body == kFixed && surface.variation > 0.0) {
+      shown.variation = static_cast<float>(surface.variation);
+      if (!terrain) {
+        // From object to object: evenly within half the variation.
+        const auto bits = static_cast<double>(grain_bits(id, 0U, 0U));
+        shown.reflectance *= static_cast<float>(1.0 + surface.variation * (bits * 0x1.0p-32 - 0.5));
+      }
+      varies = true;
+    }
     geometry_id =
         std::min(geometry_id, body == kFixed ? new_fixed_id(id, shown) : new_moving_id(id, shown));
     const auto& paints = meshes[mesh].painted;
@@ -319,8 +319,9 @@ Scene::InstanceId Scene::add_terrain(const HeightField& field, const Material& m
   in.meshes.push_back({std::move(inner), "terrain", {}});
   Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
   X_WM.translation() = centre;
-  const InstanceId id = in.add_instance(static_cast<MeshId>(in.meshes.size() - 1),
-                                        Internals::kFixed, X_WM, 1.0, {&material, 1}, "terrain");
+  const InstanceId id =
+      in.add_instance(static_cast<MeshId>(in.meshes.size() - 1), Internals::kFixed, X_WM, 1.0,
+                      {&material, 1}, "terrain", true);
   Internals::Terrain terrain;
   terrain.instance = id;
   terrain.field = field;
@@ -330,7 +331,7 @@ Scene::InstanceId Scene::add_terrain(const HeightField& field, const Material& m
 }
 
 void Scene::cover_terrain(InstanceId terrain, std::vector<std::string> labels,
-                          std::vector<std::uint8_t> cells) {
+                          std::vector<std::uint8_t> cells, std::vector<double> reflectances) {
   Internals::Terrain& covered = internals_->terrain_of(terrain);
   const auto columns = static_cast<int>(covered.field.columns) - 1;
   const auto rows = static_cast<int>(covered.field.rows) - 1;
@@ -341,6 +342,13 @@ void Scene::cover_terrain(InstanceId terrain, std::vector<std::string> labels,
                                 std::to_string(cells.size()) + " cells and " +
                                 std::to_string(labels.size()) + " labels, allowed are " +
                                 std::to_string(count) + " cells that name one of the labels each");
+  }
+  if ((!reflectances.empty() && reflectances.size() != labels.size()) ||
+      std::ranges::any_of(reflectances, [](double rho) { return !(rho >= 0.0 && rho <= 1.0); })) {
+    throw std::invalid_argument("scene: the cover of a terrain has " +
+                                std::to_string(reflectances.size()) + " reflectances for " +
+                                std::to_string(labels.size()) +
+                                " labels, allowed are none, or one of 0 to 1 for each");
   }
   const auto at = [&](int column, int row) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
@@ -373,8 +381,23 @@ void Scene::cover_terrain(InstanceId terrain, std::vector<std::string> labels,
       }
     }
   }
-  covered.cover = std::make_shared<const Internals::Cover>(std::move(labels), std::move(cells),
-                                                           std::move(near_edge));
+  auto cover =
+      std::make_shared<Internals::Cover>(std::move(labels), std::move(cells), std::move(near_edge));
+  cover->origin_m = covered.field.origin_m;
+  cover->cell_m = covered.field.cell_m;
+  cover->columns = columns;
+  cover->rows = rows;
+  const bool own = std::ranges::any_of(reflectances, [](double rho) { return rho > 0.0; });
+  if (own) {
+    cover->reflectances.assign(reflectances.begin(), reflectances.end());
+    internals_->varies = true;
+  }
+  covered.cover = std::move(cover);
+  for (std::size_t i = 0; i < internals_->shading.size(); ++i) {
+    if (internals_->instance_of[i] == terrain) {
+      internals_->shading[i].cover = own ? covered.cover.get() : nullptr;
+    }
+  }
 }
 
 Scene::InstanceId Scene::add_object(MeshId mesh, const Eigen::Isometry3d& X_WM, double scale,
@@ -493,6 +516,20 @@ std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vec
     hit.normal_W = -hit.normal_W;
   }
   return hit;
+}
+
+bool Scene::fixed_within(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
+                         double far_m) const {
+  const Internals& in = *internals_;
+  if (!in.fixed_placed) {
+    return false;
+  }
+  const FlushDenormals flush;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay ray = make_ray(p_W - in.origin_W, direction_W, 0.0, far_m, 0.0F, kSeeEverything);
+  rtcOccluded1(in.fixed.get(), &context, &ray);
+  return ray.tfar < 0.0F;
 }
 
 // Meshes as Embree takes them, with holes.
@@ -641,9 +678,9 @@ Scene::Internals::Tile Scene::Internals::make_tile(const Terrain& terrain, std::
   return tile;
 }
 
-void Scene::Internals::refresh_terrains() {
+void Scene::Internals::refresh_terrains(SimTime begin) {
   for (Terrain& terrain : terrains) {
-    if (!terrain.staged || (terrain.shown && t0 - *terrain.shown < terrain_period)) {
+    if (!terrain.staged || (terrain.shown && begin - *terrain.shown < terrain_period)) {
       continue;
     }
     const NodeRectangle changed = *terrain.staged;
@@ -663,13 +700,24 @@ void Scene::Internals::refresh_terrains() {
               static_cast<float>(terrain.field.node(c, r) - terrain.centre_W.z());
         }
       }
+      tile.reshaped = true;
+    }
+    terrain.staged.reset();
+    terrain.shown = begin;
+  }
+}
+
+void Scene::Internals::commit_tiles() {
+  for (Terrain& terrain : terrains) {
+    for (Tile& tile : terrain.tiles) {
+      if (!std::exchange(tile.reshaped, false)) {
+        continue;
+      }
       rtcUpdateGeometryBuffer(tile.ground.get(), RTC_BUFFER_TYPE_VERTEX, 0);
       rtcCommitGeometry(tile.ground.get());
       rtcCommitScene(tile.inner.get());
       rtcCommitGeometry(tile.placed.get());
     }
-    terrain.staged.reset();
-    terrain.shown = t0;
   }
 }
 
@@ -825,28 +873,41 @@ void Scene::Internals::place_moving(SimTime begin, SimTime end,
   t0 = begin;
   t1 = end;
   body_motions.assign(motions.begin(), motions.end());
-  refresh_terrains();
+  refresh_terrains(begin);
+  commit_tiles();
   place_bodies(motions);
   place_displaced();
   rtcCommitScene(moving.get());
   check("placing the bodies");
 }
 
+void Scene::Internals::follow(const Eigen::Vector3d& focus_W) {
+  if (!focus_W.allFinite()) {
+    throw std::invalid_argument("scene: a slice needs a finite focus");
+  }
+  if ((focus_W - origin_W).norm() > kRebaseDistance_m) {
+    origin_W = focus_W.array().round();
+    fixed_placed = false;
+  }
+  if (!fixed_placed) {
+    place_fixed();
+  }
+}
+
 void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
                         std::span<const BodyMotion> motions) {
   Internals& in = *internals_;
   in.check_slice(t0, t1, motions);
-  if (!focus_W.allFinite()) {
-    throw std::invalid_argument("scene: a slice needs a finite focus");
-  }
-  if ((focus_W - in.origin_W).norm() > kRebaseDistance_m) {
-    in.origin_W = focus_W.array().round();
-    in.fixed_placed = false;
-  }
-  if (!in.fixed_placed) {
-    in.place_fixed();
-  }
+  in.follow(focus_W);
   in.place_moving(t0, t1, motions);
+}
+
+void Scene::pass_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W) {
+  if (t1 <= t0) {
+    throw std::invalid_argument("scene: a slice needs t0 < t1");
+  }
+  internals_->follow(focus_W);
+  internals_->refresh_terrains(t0);
 }
 
 // A second scene of the same things.
@@ -874,6 +935,7 @@ std::unique_ptr<Scene> Scene::twin() const {
   in.canopies_kept = false;
   in.ground_moves = from.ground_moves;
   in.has_foliage = from.has_foliage;
+  in.varies = from.varies;
   in.placed.reserve(from.placed.size());
   for (const Internals::Placed& thing : from.placed) {
     in.placed.push_back({nullptr, thing.X_PM, thing.scale, thing.body, thing.geometry_id,

@@ -60,6 +60,9 @@ struct Material {
   /// Single leaves, seen as they are: radio signals pass, and what weakens them is a canopy
   /// (Scene::add_canopy).
   bool loose_leaves = false;
+  /// How far the reflectance differs over the surface and from object to object, 0 .. 1
+  /// (reflectance_grain.h). Of what stands still; bodies are of one reflectance.
+  double variation = 0.0;
 
   friend bool operator==(const Material&, const Material&) = default;
 };
@@ -134,11 +137,12 @@ class Scene final : public Visibility {
   MeshId add_mesh(const TriangleMesh& mesh);
   InstanceId add_terrain(const HeightField& field, const Material& material);
   /// What lies on the cells of a terrain, for cameras: for each cell, row by row, the place of its
-  /// label in `labels`. Rays measure the terrain's own material as before. Throws
-  /// std::invalid_argument when `terrain` is no terrain, or there is not one cell for each of its
-  /// own, or a cell names no label.
+  /// label in `labels`. Lidars measure the reflectance of the label, where it has one above 0 (none
+  /// has where `reflectances` is empty), and else that of the terrain's material. Throws
+  /// std::invalid_argument when `terrain` is no terrain, there is not one cell for each of its own,
+  /// a cell names no label, or there is not one reflectance of 0 .. 1 for each label.
   void cover_terrain(InstanceId terrain, std::vector<std::string> labels,
-                     std::vector<std::uint8_t> cells);
+                     std::vector<std::uint8_t> cells, std::vector<double> reflectances = {});
   InstanceId add_object(MeshId mesh, const Eigen::Isometry3d& X_WM, double scale,
                         const Material& material, std::string_view name = {});
   BodyId add_body(std::string_view name);
@@ -186,6 +190,11 @@ class Scene final : public Visibility {
   void begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
                    std::span<const BodyMotion> motions);
 
+  /// In place of begin_slice(), for a slice in which no ray is cast: placement() and what later
+  /// slices show are as after it, but nothing that moves is placed for rays. Costs next to nothing.
+  /// Throws std::invalid_argument as begin_slice().
+  void pass_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W);
+
   /// A scene with the same instances and bodies, for rays of another thread. Nothing can be added
   /// to either from now on. Canopies are left out: sky_path() of a twin knows closed crowns only.
   [[nodiscard]] std::unique_ptr<Scene> twin() const;
@@ -217,6 +226,11 @@ class Scene final : public Visibility {
                                              const Eigen::Vector3d& direction_W, double near_m,
                                              double far_m, SimTime time,
                                              std::uint32_t mask = kSeeEverything) const;
+  /// Whether something fixed lies within `far_m` along the unit vector: neither bodies nor
+  /// displaced pieces, nor terrain that was made changeable. After the first slice, begun or
+  /// passed; before it nothing does.
+  [[nodiscard]] bool fixed_within(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
+                                  double far_m) const;
   /// At the end of the slice; the machine's own links count.
   [[nodiscard]] bool blocked(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
                              double clearance_m) const override;

@@ -94,9 +94,14 @@ void visit(fields::Visitor& v, BoxObject& p) {
            "Direction of its x from east, left positive.");
   v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
   v.boolean("loose", p.loose, "A crate: machines push, tip and lift it.");
+  v.only_if(!p.loose, "loose", "loose: false", [&p](fields::Visitor& w) {
+    w.boolean("solid", p.solid, "Whether machines meet it and plants keep clear of it.");
+  });
   v.only_if(p.loose, "loose", "loose: true", [&p](fields::Visitor& w) {
     w.number("mass", p.mass_kg, in("kg").between(1, 1e6), "Mass, evenly spread.");
-    w.number("friction", p.friction, plain().between(0, 2), "Coefficient of friction.");
+    w.number("friction", p.friction, plain().between(0, 2),
+             "Coefficient of friction of its surface; of two that rub, also on the ground, the "
+             "smaller counts.");
   });
   v.section("material", p.material, "What its surface is.");
 }

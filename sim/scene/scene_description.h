@@ -106,7 +106,8 @@ struct BoxObject {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Of the middle of its base.
   double yaw_rad = 0.0;                                  ///< Of its x, left from east.
   bool on_ground = true;   ///< Then position_m.z() counts from the terrain's height at the middle.
-  bool loose = false;      ///< A crate: machines push and lift it.
+  bool solid = true;       ///< Machines meet it, and plants keep clear of it.
+  bool loose = false;      ///< A crate: machines push and lift it. Solid in any case.
   double mass_kg = 500.0;  ///< Of a loose one.
   double friction = 0.6;
   Material material{.reflectance = 0.5, .label = "building"};

@@ -186,6 +186,7 @@ void Scene::Internals::place_displaced() {
     for (std::uint32_t k = 0; k < piece.parts && !piece.piece.canopy; ++k) {
       shading[piece.number + k] = shading[placed_of(piece.piece.thing).geometry_id + k];
       shading[piece.number + k].R_WM = piece.X_WM.linear().cast<float>();
+      shading[piece.number + k].variation = 0.0F;  // its cells are those of places
       instance_of[piece.number + k] = piece.piece.thing + k;
     }
   }

@@ -180,6 +180,7 @@ struct Scene::Internals {
     GeometryHandle ground;
     SceneHandle inner;
     GeometryHandle placed;
+    bool reshaped = false;  ///< Its vertices have changed since Embree was last told.
   };
   /// What lies on a terrain's cells, row by row.
   struct Cover {
@@ -191,6 +192,13 @@ struct Scene::Internals {
     std::vector<std::uint8_t> cells;
     /// 1 where another label lies within kCoverReach cells.
     std::vector<std::uint8_t> near_edge;
+    /// Of the labels, 0: the terrain's own. Empty: of all.
+    std::vector<float> reflectances;
+    Eigen::Vector2d origin_m =
+        Eigen::Vector2d::Zero();  ///< World place of the first cell's corner.
+    double cell_m = 1.0;
+    int columns = 0;  ///< Of cells.
+    int rows = 0;
   };
   static constexpr int kCoverReach = 2;
   struct Terrain {
@@ -209,6 +217,8 @@ struct Scene::Internals {
     Eigen::Matrix3f R_WM = Eigen::Matrix3f::Identity();  ///< Turns normals into the world.
     float reflectance = 0.0F;
     float retro_gain = 0.0F;
+    float variation = 0.0F;        ///< reflectance_grain.h
+    const Cover* cover = nullptr;  ///< Of a terrain whose cells have reflectances of their own.
   };
 
   /// Lives as long as the scene: who keeps a weak_ptr to it takes no other scene for this one.
@@ -246,6 +256,7 @@ struct Scene::Internals {
   bool fixed_placed = false;
   bool ground_moves = false;  ///< Tiles of terrain are in `moving`.
   bool has_foliage = false;
+  bool varies = false;  ///< Some surface has a variation, or a cover with reflectances.
   bool has_canopy = false;
   SimTime t0{};
   SimTime t1{};
@@ -272,7 +283,8 @@ struct Scene::Internals {
 
   /// An instance with a part for each of the materials, in `fixed` or on a body.
   InstanceId add_instance(MeshId mesh, std::uint32_t body, const Eigen::Isometry3d& X_PM,
-                          double scale, std::span<const Material> surfaces, std::string_view name);
+                          double scale, std::span<const Material> surfaces, std::string_view name,
+                          bool terrain = false);
   std::uint32_t material_index(const Material& material);
   const Placed& placed_of(std::uint32_t instance) const {
     return placed[instances[instance].placed];
@@ -284,8 +296,12 @@ struct Scene::Internals {
   Tile make_tile(const Terrain& terrain, std::size_t first_column, std::size_t first_row,
                  std::uint32_t number);
   Terrain& terrain_of(std::uint32_t instance);
-  /// Shows staged heights to the rays when they are due.
-  void refresh_terrains();
+  /// Takes staged heights into the tiles' vertices when they are due at `begin` of a slice.
+  void refresh_terrains(SimTime begin);
+  /// Tells Embree of the tiles whose vertices have changed.
+  void commit_tiles();
+  /// Places what is fixed when it is not, or when `focus_W` is far from the origin of the rays.
+  void follow(const Eigen::Vector3d& focus_W);
   /// Places what is fixed at the present origin: in `fixed` itself where nobody else holds it, in a
   /// new scene where a placement() of it is held, which then stays as its holder has it.
   ///

@@ -145,6 +145,34 @@ class Witness final : public WorldSensor {
   std::vector<std::string>& log_;
 };
 
+/// Looks at the scene, in the slices in which it is told to.
+class Looker final : public WorldSensor {
+ public:
+  explicit Looker(std::shared_ptr<const bool> looks = std::make_shared<const bool>(true))
+      : looks_(std::move(looks)) {}
+  void take(SimTime /*frontier*/, const Shelves& /*requests*/) override {}
+  [[nodiscard]] bool looks_at_scene() const override { return *looks_; }
+
+ private:
+  std::shared_ptr<const bool> looks_;
+};
+
+TEST(SimulatedWorld, PlacesNothingForRaysThatNoSensorCasts) {
+  SimulatedWorld world({}, Content().in_scene);
+  world.add(make_world_imu(0, {}, sim::ImuSensor(sim::perfect_imu(), 1, "imu")));
+  const auto looks = std::make_shared<bool>(false);
+  world.add(std::make_unique<Looker>(looks));
+  SampleBatch batch;
+  advance(world, {}, batch);
+  EXPECT_EQ(world.scene().slice_end(), std::nullopt);
+  *looks = true;
+  advance(world, {}, batch);
+  EXPECT_EQ(world.scene().slice_end(), kStart + 4ms);
+  *looks = false;
+  advance(world, {}, batch);
+  EXPECT_EQ(world.scene().slice_end(), kStart + 4ms);
+}
+
 TEST(SimulatedWorld, RefusesASliceThatIsNoWholeNumberOfSteps) {
   EXPECT_THROW(SimulatedWorld({.step = 2ms, .slice = 3ms}, Content().in_scene),
                std::invalid_argument);
@@ -177,6 +205,7 @@ TEST(SimulatedWorld, RaysPassWhereATreeStoodAndMeetItWhereItLies) {
   Sledge& sledge = *content.sledge;
   const Eigen::Vector3d foot = built.obstacles.front().foot_W();
   SimulatedWorld world({}, std::move(content.in_scene));
+  world.add(std::make_unique<Looker>());
   const auto seen = [&](double height_m) {
     SampleBatch batch;
     advance(world, {}, batch);

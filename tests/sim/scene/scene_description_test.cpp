@@ -125,6 +125,31 @@ TEST(BuildScene, HoldsGroundRocksAndObjectsWithLabels) {
   EXPECT_EQ(built.scene->material(hit->instance).label, "truck");
 }
 
+TEST(BuildScene, BoxesThatAreNotSolidAreSeenAndNeitherRunIntoNorPlantedAround) {
+  SceneDescription description;
+  description.terrain = LevelTerrain{};
+  TreeField& trees = description.trees.emplace_back();
+  trees.count = 200;
+  const BuiltScene without = build_scene(description, {}, 1);
+  BoxObject& sign = description.boxes.emplace_back();
+  sign.name = "sign";
+  sign.size_m = {0.02, 0.6, 0.6};
+  sign.position_m = {5.0, 0.0, 1.0};
+  sign.solid = false;
+  sign.material = {.reflectance = 0.6, .label = "sign", .retro_gain = 0.3};
+  const BuiltScene with = build_scene(description, {}, 1);
+  ASSERT_EQ(with.obstacles.size(), without.obstacles.size());
+  for (std::size_t i = 0; i < with.obstacles.size(); ++i) {
+    EXPECT_TRUE(with.obstacles[i].X_WO.isApprox(without.obstacles[i].X_WO)) << i;
+  }
+  with.scene->begin_slice(kStart, kStart + Duration{1000}, Eigen::Vector3d::Zero(), {});
+  const double height_m = with.ground.height_m(5.0, 0.0) + 1.3;
+  const auto hit =
+      with.scene->cast({4.0, 0.0, height_m}, Eigen::Vector3d::UnitX(), 0.1, 5.0, kStart);
+  ASSERT_TRUE(hit.has_value());
+  EXPECT_EQ(with.scene->material(hit->instance).retro_gain, 0.3);
+}
+
 TEST(BuildScene, MissingMeshIsNamed) {
   SceneDescription description;
   FixedObject object;

@@ -246,6 +246,65 @@ TEST(TerrainUpdate, WaitsForItsPeriodAndLosesNothing) {
   EXPECT_NEAR(before.height_m(-6.0, 0.0) - down(scene, -6.0, 0.0), 3.0, 1e-4);
 }
 
+// Finding: rigs without a lidar spent four fifths of their time on placing what no ray met.
+TEST(TerrainUpdate, SlicesThatNoRayLooksIntoMayBePassed) {
+  const auto seen = [](bool each_slice) {
+    HeightField field = rough(Vector3d::Zero());
+    Scene scene;
+    const auto terrain = scene.add_terrain(field, {});
+    scene.make_changeable(terrain);
+    scene.set_terrain_period(milliseconds{100});
+    std::vector<double> ranges_m;
+    // Digs in each slice, shows every second one, looks into every fifth; the focus goes far enough
+    // for the rays' origin to follow it.
+    for (int slice = 0; slice < 100; ++slice) {
+      scene.update_terrain(terrain, field, dig(field));
+      const SimTime t0 = kStart + slice * milliseconds{50};
+      const Vector3d focus_W(7.0 * slice, 0.0, 0.0);
+      if (const bool looks = slice % 5 == 0; looks || each_slice) {
+        scene.begin_slice(t0, t0 + milliseconds{50}, focus_W, {});
+        if (looks) {
+          ranges_m.push_back(down(scene, -6.0, 0.0));
+          ranges_m.push_back(down(scene, 3.3, 1.7));
+        }
+      } else {
+        scene.pass_slice(t0, t0 + milliseconds{50}, focus_W);
+      }
+    }
+    return ranges_m;
+  };
+  EXPECT_EQ(seen(false), seen(true)) << "to the last bit";
+}
+
+// Soil fell through a truck that no sensor looked at.
+TEST(TerrainUpdate, WhatIsFixedIsThereInSlicesThatArePassed) {
+  HeightField field = rough(Vector3d::Zero());
+  Scene scene;
+  scene.make_changeable(scene.add_terrain(field, {}));
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translation() << 5.0, 5.0, 3.0;
+  scene.add_object(scene.add_mesh(make_box("truck", {2.0, 2.0, 2.0})), X, 1.0, {});
+  const auto below = [&](double x_m, double y_m, double far_m) {
+    return scene.fixed_within({x_m, y_m, 20.0}, -Vector3d::UnitZ(), far_m);
+  };
+  EXPECT_FALSE(below(5.0, 5.0, 30.0)) << "before the first slice";
+  scene.pass_slice(kStart, kStart + milliseconds{1}, Vector3d::Zero());
+  EXPECT_TRUE(below(5.0, 5.0, 30.0));
+  EXPECT_FALSE(below(5.0, 5.0, 15.9)) << "its top is 16 m below";
+  EXPECT_FALSE(below(-5.0, -5.0, 30.0)) << "the terrain may be dug";
+}
+
+TEST(TerrainUpdate, APassedSliceIsRefusedWhereOneThatBeginsIs) {
+  Scene scene;
+  const auto pass = [&](Duration length, const Vector3d& focus_W) {
+    return [&scene, length, focus_W] { scene.pass_slice(kStart, kStart + length, focus_W); };
+  };
+  EXPECT_THAT(pass(Duration{0}, Vector3d::Zero()),
+              ThrowsMessage<std::invalid_argument>(HasSubstr("t0 < t1")));
+  EXPECT_THAT(pass(milliseconds{1}, Vector3d(0.0, std::nan(""), 0.0)),
+              ThrowsMessage<std::invalid_argument>(HasSubstr("finite focus")));
+}
+
 TEST(TerrainUpdate, BadChangesAreRefused) {
   HeightField field = rough(Vector3d::Zero());
   Scene scene;

@@ -28,7 +28,7 @@ void ContactWatch::record(const TruthRecord& record) {
     body_ = record.contact->body;
     with_ = record.contact->with;
     events_.tell_ahead(record.time, EventKind::contact_begun, LogLevel::info, body_,
-                       fmt::format("{} meets {} with {:.2f} kN", body_, named(with_),
+                       fmt::format("{} hits {} with {:.2f} kN", body_, named(with_),
                                    1e-3 * record.contact->force_W.norm()));
   }
 }

@@ -12,6 +12,8 @@
 
 #include "fields/check.h"
 #include "hil/files/mesh_file.h"
+#include "sim/contact/closest.h"
+#include "sim/contact/loose_bodies.h"
 
 namespace rigwire::hil {
 namespace {
@@ -44,15 +46,44 @@ std::vector<Eigen::Vector3d> surface_of(const MeshShape& shape) {
   return points;
 }
 
+sim::ConvexShape solid_of(const BoxShape& box) {
+  return sim::ConvexShape::box(0.5 * Eigen::Vector3d(box.size_m.x, box.size_m.y, box.size_m.z));
+}
+
 struct Deepest {
   std::string body;
-  sim::Penetration found;
+  std::string in = "the ground or an obstacle";
+  double depth_m = 0.0;
 
-  void look(const sim::Ground& ground, std::string_view name, const Eigen::Vector3d& p_W) {
-    const auto here = ground.penetration(p_W);
-    if (here && here->depth_m > found.depth_m) {
+  void take(std::string_view name, double found_m, std::string_view what) {
+    if (found_m > depth_m) {
       body = name;
-      found = *here;
+      in = what;
+      depth_m = found_m;
+    }
+  }
+  /// `stands`: it may be in the ground.
+  void look(const sim::Ground& ground, std::string_view name, const Eigen::Vector3d& p_W,
+            bool stands = false) {
+    const auto here = ground.penetration(p_W);
+    if (here && !stands) {
+      take(name, here->depth_m, "the ground or an obstacle");
+    }
+    constexpr double kPoint_m = 1e-3;
+    look_at_loose(ground, name, sim::ConvexShape::sphere(kPoint_m),
+                  Eigen::Isometry3d(Eigen::Translation3d(p_W)));
+  }
+  void look_at_loose(const sim::Ground& ground, std::string_view name,
+                     const sim::ConvexShape& shape, const Eigen::Isometry3d& X_WS) {
+    const sim::LooseBodies* loose = ground.loose();
+    for (std::size_t i = 0; loose != nullptr && i < loose->size(); ++i) {
+      const sim::Mover& mover = loose->movers()[i];
+      const double apart_m = (mover.X_WM.translation() - X_WS.translation()).norm();
+      if (apart_m < shape.reach_m() + mover.shape->reach_m()) {
+        const sim::Separation found =
+            sim::separation({&shape, X_WS}, {mover.shape, mover.X_WM}, 0.0);
+        take(name, -found.gap_m, fmt::format("'{}', which lies loose", loose->name(i)));
+      }
     }
   }
 };
@@ -90,22 +121,26 @@ void require_standing_free(const MachineConfiguration& configuration, const sim:
   const auto standing = configuration.model->standing_links();
   for (const LinkShape& shape : configuration.shapes) {
     const auto link = std::ranges::find(links, std::string_view(shape.link));
-    if (link == links.end() || std::ranges::find(standing, *link) != standing.end()) {
+    if (link == links.end()) {
       continue;
     }
     const Eigen::Isometry3d X_WS =
         machine.links()[static_cast<std::size_t>(link - links.begin())].X_WL *
         pose(shape.placed.position_m, shape.placed.rotation);
+    if (const auto* box = std::get_if<BoxShape>(&shape.placed.shape)) {
+      deepest.look_at_loose(ground, *link, solid_of(*box), X_WS);
+    }
+    const bool stands = std::ranges::find(standing, *link) != standing.end();
     for (const Eigen::Vector3d& p_S :
          std::visit([](const auto& one) { return surface_of(one); }, shape.placed.shape)) {
-      deepest.look(ground, *link, X_WS * p_S);
+      deepest.look(ground, *link, X_WS * p_S, stands);
     }
   }
-  if (deepest.found.depth_m > kDeepestStart_m) {
-    throw fields::Refused(
-        "machine", fmt::format("starts with its {} {:.1f} cm deep in the ground or an obstacle, "
-                               "allowed a position and a posture that are free",
-                               deepest.body, 100.0 * deepest.found.depth_m));
+  if (deepest.depth_m > kDeepestStart_m) {
+    throw fields::Refused("machine",
+                          fmt::format("starts with its {} {:.1f} cm deep in {}, "
+                                      "allowed a position and a posture that are free",
+                                      deepest.body, 100.0 * deepest.depth_m, deepest.in));
   }
 }
 

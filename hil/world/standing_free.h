@@ -1,9 +1,12 @@
 // Whether a machine starts where it can stand: on the terrain, and with no part of it inside the
-// ground or an obstacle. What starts inside is thrown out by forces that no real machine meets.
+// ground, an obstacle or something that lies loose. What starts inside is thrown out by forces that
+// no real machine meets.
 //
 // Looked at are the points that the machine itself names (sim/machine.h) and the surfaces of its
-// shapes, boxes every 0.25 m and meshes at their vertices. Not looked at are the shapes of links
-// that stand on the ground, as wheels and drums do, and objects of the scene that are not solid.
+// shapes, boxes every 0.25 m and meshes at their vertices; against what lies loose boxes as a
+// whole, since a crate may lie between the points. The shapes of links that stand on the ground, as
+// wheels and drums do, are looked at against what lies loose alone. Objects of the scene that are
+// not solid are not looked at.
 #pragma once
 
 #include "hil/world/machine.h"

@@ -12,7 +12,7 @@ using fields::in;
 using fields::plain;
 
 void visit(fields::Visitor& v, ContactBox& p) {
-  v.text("name", p.name, "What the box stands for.");
+  v.text("name", p.name, "Name of the part that the box represents.");
   v.text("link", p.link, "Link of the machine that carries the box.");
   v.vector3("position", p.position_m, in("m").between(-100, 100),
             "Middle of the box in the link's frame.");

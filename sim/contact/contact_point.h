@@ -62,6 +62,7 @@ struct ContactPoint {
   std::array<double, 3> other_mps{};
   std::array<double, 3> other_1pkg{};
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_M = Eigen::Vector3d::Zero();  ///< The same in the mover's frame.
   /// Unit: away from the obstacle, and two across.
   std::array<Eigen::Vector3d, 3> direction_W;
   double gap_m = 0.0;   ///< Beyond rest_m, dent_m and sunk_m.
@@ -184,6 +185,18 @@ struct ContactPoint {
     return work;
   }
 
+  /// What it meets has gone by `ahead_m` along the three directions, beyond what settle() has taken
+  /// for its way: the bristles bend by it.
+  void follow(const std::array<double, 3>& ahead_m) {
+    if (released) {
+      return;
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+      friction.across[i].slide(bristle(), 1.0, 0.0, -ahead_m[i + 1]);
+    }
+    yield_as_bent(friction.across, bristle(), law.friction * std::max(0.0, force_n[0]));
+  }
+
   /// Ends the step at an overlap: what the spring does not bear is bent or pressed in for good.
   /// What is left.
   double bend(double depth_m) {
@@ -193,6 +206,15 @@ struct ContactPoint {
     }
     (law.dents ? dent_m : sunk_m) += excess;
     return depth_m - excess;
+  }
+  /// The part of the work of settle() that the normal force has done.
+  [[nodiscard]] double normal_work_j(double h) const {
+    return 0.5 * h * force_n[0] * (start_mps[0] - other_mps[0] + end_mps[0]);
+  }
+  /// The overlap that a step of h seconds has ended with, what was bent or pressed in taken off.
+  [[nodiscard]] double left_m(double h) const {
+    const double depth = -gap_m - h * end_mps[0];
+    return law.dents || law.sinks ? std::min(depth, law.greatest_n / law.stiffness_npm) : depth;
   }
   /// In the spring, at an overlap.
   [[nodiscard]] double spring_j(double depth_m) const {

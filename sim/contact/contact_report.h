@@ -37,11 +37,11 @@ struct ContactReport {
   bool terrain = false;
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();      ///< Of that point.
   Eigen::Vector3d force_W = Eigen::Vector3d::Zero();  ///< Sum, on the machine.
-  double deepest_m = 0.0;                             ///< Overlap, beyond dents and of no tyre.
-  double pressed_m = 0.0;                             ///< The most that a tyre is pressed in.
-  double dent_m = 0.0;  ///< The deepest that anything of the machine is bent in for good.
-  double sunk_m = 0.0;  ///< The deepest that a body which pushes the terrain has pressed it in.
-  double lost_j = 0.0;  ///< Since the start, turned into heat and broken wood.
+  double deepest_m = 0.0;  ///< Overlap, beyond dents and what a tree bends; of no tyre.
+  double pressed_m = 0.0;  ///< The most that a tyre is pressed in.
+  double dent_m = 0.0;     ///< The deepest that anything of the machine is bent in for good.
+  double sunk_m = 0.0;     ///< The deepest that a body which pushes the terrain has pressed it in.
+  double lost_j = 0.0;     ///< Since the start, turned into heat and broken wood.
   double deepest_ever_m = 0.0;
   std::uint64_t touches = 0;  ///< Pairs that began to push, since the start.
   std::uint32_t felled = 0;   ///< Obstacles that gave way altogether.

@@ -27,9 +27,12 @@ constexpr double kTerrain_npm = 5e7;
 // A body that is lower than this is looked at in each step; one that is higher, when the fastest
 // point has come a quarter of the way: the terrain may be steep.
 constexpr double kLow_m = 0.1;
-constexpr double kNoWall_m = 0.45;  // Of a drum that is not: after a tenth of a metre.
-constexpr double kSteep = 0.87;     // Cosine: 30 degrees.
-constexpr double kRollsOver = 0.3;  // Cosine: 72 degrees round from a drum's lowest line.
+constexpr double kResolved =
+    1.0;  // (Step x frequency)^2 of what lies loose on a machine's springs.
+constexpr double kLooseDampingRatio = 0.3;  // With the mass of what lies loose.
+constexpr double kNoWall_m = 0.45;          // Of a drum that is not: after a tenth of a metre.
+constexpr double kSteep = RollingClimb::kSlope;
+constexpr double kRollsOver = RollingClimb::kSteepest;
 
 /// Half lengths, along the world's axes, of the box about a placed shape.
 Vector half_box(const ConvexShape& shape, const Eigen::Matrix3d& R) {
@@ -43,6 +46,9 @@ bool wall_near(const Ground& ground, const ContactBody& body, const Eigen::Isome
   constexpr double kApart_m = 0.1;
   constexpr double kAhead_m = 0.15;
   const double radius = body.shape.half_lengths_m().x();
+  // The most slippery ground is climbed least.
+  const double climbs = body.climb.radius_m > 0.0 ? body.climb.height_m(0.0) / radius : 1.0;
+  const double wall = std::max(kRollsOver, std::min(kSteep, 1.0 - climbs));
   const double half_length = body.shape.half_lengths_m().z();
   const Vector axle_W = X_WS.linear().col(2);
   const Vector ahead_W = axle_W.cross(up_W);
@@ -51,7 +57,7 @@ bool wall_near(const Ground& ground, const ContactBody& body, const Eigen::Isome
     for (double x = -radius - kAhead_m; x < radius + kAhead_m + kApart_m; x += kApart_m) {
       Vector p = middle + x * ahead_W;
       p.z() = ground.height_m(p.x(), p.y());
-      if ((p - middle).dot(up_W) > -(kRollsOver + 0.1) * radius) {
+      if ((p - middle).dot(up_W) > -(wall + 0.1) * radius) {
         return true;
       }
     }
@@ -110,8 +116,14 @@ bool rolls_on(const ContactBody& body, const Eigen::Isometry3d& X_WS) {
 }
 
 // Whether a body whose machine knows what it stands on runs into this of the terrain.
-bool in_the_way(const ContactBody& body, const Eigen::Matrix3d& R_WL, const Vector& normal_W) {
-  return normal_W.dot(R_WL.col(2)) < (body.rolls ? kRollsOver : kSteep);
+bool in_the_way(const ContactBody& body, const Eigen::Matrix3d& R_WL, const Vector& normal_W,
+                double friction) {
+  double steepest = body.rolls ? kRollsOver : kSteep;
+  if (body.climb.radius_m > 0.0) {
+    const double climbs = body.climb.height_m(friction) / body.climb.radius_m;
+    steepest = std::min(kSteep, 1.0 - climbs);
+  }
+  return normal_W.dot(R_WL.col(2)) < steepest;
 }
 
 }  // namespace
@@ -222,6 +234,40 @@ double ContactSet::move_others(double h, double fastest_mps) {
   return others_mps_;
 }
 
+void ContactSet::follow_others() {
+  for (std::size_t at = 0; at < points_.size();) {
+    const std::size_t first = at;
+    Pair& pair = pairs_[pair_of_[first]];
+    while (at < points_.size() && pair_of_[at] == pair_of_[first]) {
+      ++at;
+    }
+    if (!points_[first].mover) {
+      continue;
+    }
+    pair.memory.settling();
+    double put_in = 0.0;
+    for (std::size_t i = first; i < at; ++i) {
+      ContactPoint& point = points_[i];
+      const Mover& mover = others()[*point.mover];
+      const Vector way_W = mover.X_WM * point.p_M - point.p_W;
+      std::array<double, 3> ahead{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double predicted_mps =
+            point.other_mps[k] - settled_s_ * point.other_1pkg[k] * point.force_n[k];
+        ahead[k] = point.direction_W[k].dot(way_W) - settled_s_ * predicted_mps;
+        // Its work on the other, by the velocity that it has now.
+        const double now_mps = point.direction_W[k].dot(mover.velocity_W(way_W + point.p_W));
+        const double more = 0.5 * settled_s_ * point.force_n[k] * (predicted_mps - now_mps);
+        work_j_ += more;
+        put_in -= k == 0 ? point.normal_work_j(settled_s_) + more : 0.0;
+      }
+      point.follow(ahead);
+      pair.memory.settled(i - first, point, point.left_m(settled_s_) + ahead[0]);
+    }
+    pair.held_j = std::clamp(pair.held_j + put_in, 0.0, pair.memory.spring_j());
+  }
+}
+
 /// The least height of the body's surface above the terrain.
 double ContactSet::above_terrain_m(const ContactBody& body, std::size_t index,
                                    const ContactLink& link) {
@@ -243,9 +289,10 @@ double ContactSet::above_terrain_m(const ContactBody& body, std::size_t index,
   return std::min(least, lowest.z() - ground_->height_m(lowest.x(), lowest.y()));
 }
 
-bool ContactSet::meets(const ContactBody& body, const ContactLink& link,
-                       const Vector& normal_W) const {
-  return carried_ != Carried::by_model || in_the_way(body, link.X_WL.linear(), normal_W);
+bool ContactSet::meets(const ContactBody& body, const ContactLink& link, const Vector& normal_W,
+                       std::uint8_t soil) const {
+  return carried_ != Carried::by_model ||
+         in_the_way(body, link.X_WL.linear(), normal_W, ground_->soil(soil).friction);
 }
 
 void ContactSet::pair_up(std::uint32_t body, std::uint32_t obstacle) {
@@ -315,6 +362,9 @@ void ContactSet::look(std::span<const ContactLink> links) {
 }
 
 void ContactSet::begin(double h, std::span<const ContactLink> links) {
+  if (siblings_ == nullptr) {
+    follow_others();
+  }
   points_.clear();
   pair_of_.clear();
   double fastest = 0.0;
@@ -351,6 +401,17 @@ void ContactSet::shorten(double h) {
   }
 }
 
+bool ContactSet::rolls_over(const ContactBody& body, std::size_t obstacle,
+                            const ContactLink& link) const {
+  const Vector middle_W = link.X_WL * (body.X_LS * body.shape.middle_m());
+  if (body.climb.radius_m > 0.0) {
+    return climbs(body.climb, *ground_, obstacle, middle_W, link.X_WL.linear().col(2));
+  }
+  const Vector step_W = middle_W - body.step_below_m * link.X_WL.linear().col(2);
+  return !(body.rolls_over_balls ? ground_->too_high(obstacle, step_W)
+                                 : ground_->rises_above(obstacle, step_W));
+}
+
 void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) {
   const ContactBody& body = bodies_[pair.body];
   const ContactLink& link = links[body.link];
@@ -374,7 +435,6 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   const PlacedShape b = mover != nullptr
                             ? PlacedShape{mover->shape, mover->X_WM}
                             : PlacedShape{&ground_->shape(pair.obstacle), pose_of(pair.obstacle)};
-  const Vector middle = a.X_WS * body.shape.middle_m();
   Met met;
   bool meets = true;
   if (mover != nullptr) {
@@ -387,8 +447,9 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     met.friction = obstacle.friction;
     met.strength_nm = strength_of(pair.obstacle);
     met.foot_W = obstacle.foot_W();
+    // What has stopped it goes on to, however far its tyre gives way.
     meets = met.strength_nm > 0.0 && !(body.rolls && carried_ != Carried::by_contact &&
-                                       !ground_->too_high(pair.obstacle, middle));
+                                       !pair.memory.met() && rolls_over(body, pair.obstacle, link));
   }
   std::optional<Separation> found;
   if (meets) {
@@ -435,7 +496,7 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
   // All that are near, and which of them were taken in the step before.
   touches_.clear();
   const auto keep = [&](const Touch& found) {
-    if (!meets(body, link, found.normal_W)) {
+    if (!meets(body, link, found.normal_W, found.soil)) {
       return;
     }
     const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * found.p_W;
@@ -528,8 +589,10 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
                             std::span<const Touch> touches, const Met& met) {
   const ContactBody& body = bodies_[pair.body];
   const bool met_before = pair.memory.met();
+  pair.held_j = met_before ? pair.held_j : 0.0;
   PairMemory::Step step(pair.memory);
-  const ContactLaw law = law_in_a_row(body, met.stiffness_npm, met.friction, touches.size());
+  const ContactLaw law =
+      law_in_a_row(body, met.stiffness_npm, std::min(body.friction, met.friction), touches.size());
   const std::size_t first = points_.size();
   for (const Touch& touch : touches) {
     if (points_.size() == points_.capacity()) {
@@ -577,10 +640,22 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
     }
     if (met.mover != nullptr) {
       point.mover = pair.obstacle - static_cast<std::uint32_t>(ground_->obstacles().size());
+      point.p_M = met.mover->X_WM.inverse(Eigen::Isometry) * point.p_W;
       for (std::size_t k = 0; k < 3 && siblings_ == nullptr; ++k) {
         point.other_mps[k] = point.direction_W[k].dot(met.mover->velocity_W(point.p_W));
         point.other_1pkg[k] = static_cast<double>(touches.size()) *
                               met.mover->mobility_1pkg(point.p_W, point.direction_W[k]);
+      }
+      if (siblings_ == nullptr) {
+        // A spring that throws it within a step is softer, of all points alike.
+        const double most_npm = kResolved / (h * h * point.other_1pkg[0]);
+        const double share = std::min(1.0, most_npm / law.stiffness_npm);
+        point.law.stiffness_npm *= share;
+        point.law.bristle_npm *= share;
+        // A damper sized for the machine's mass would hold a light thing in place for a step.
+        point.law.damping_nspm = std::min(
+            point.law.damping_nspm,
+            2.0 * kLooseDampingRatio * std::sqrt(point.law.stiffness_npm / point.other_1pkg[0]));
       }
     }
   }
@@ -630,6 +705,7 @@ Vector ContactSet::surface_L(const ContactPoint& point) const {
 }
 
 void ContactSet::finish(double h, double work_j) {
+  settled_s_ = h;
   report_.points = 0;
   report_.force_W.setZero();
   report_.body = {};
@@ -651,6 +727,10 @@ void ContactSet::finish(double h, double work_j) {
     const bool before = pair.pushing;
     pair.pushing = false;
     pair.memory.settling();
+    // What lies loose before a wall gives way less than predicted: its springs are pressed farther
+    // than what pushed them has worked for.
+    const bool loose = siblings_ == nullptr && mover_of(pair.obstacle) != nullptr;
+    double put_in = 0.0;
     std::size_t i = 0;
     Dent dent;
     for (; seen < points_.size() && &pairs_[pair_of_[seen]] == &pair; ++seen, ++i) {
@@ -665,13 +745,17 @@ void ContactSet::finish(double h, double work_j) {
         dent.normal_L = R_LW * point.direction_W[0];
         dent.depth_m = std::max(dent.depth_m, point.dent_m);
       }
-      stored += pair.memory.settled(i, point, depth) + point.bent_j();
+      const double spring_j = pair.memory.settled(i, point, depth);
+      put_in -= point.normal_work_j(h);
+      stored += (loose ? 0.0 : spring_j) + point.bent_j();
       report_.force_W += force;
       if (point.mover && siblings_ == nullptr && !force.isZero()) {
         ground_->loose()->push(*point.mover, point.p_W, -h * force);
       }
       double& deepest = bodies_[point.body].soft ? report_.pressed_m : report_.deepest_m;
-      deepest = std::max(deepest, point.law.body_share * depth + point.rest_m);
+      // A tree bends as a whole: what its stem gives way is no overlap.
+      const bool bends = !point.mover && !point.terrain;
+      deepest = std::max(deepest, (bends ? point.law.body_share : 1.0) * depth + point.rest_m);
       if (point.force_n[0] > 0.0 || point.blocks) {
         pair.pushing = true;
         ++report_.points;
@@ -687,6 +771,9 @@ void ContactSet::finish(double h, double work_j) {
           report_.p_W = point.p_W;
         }
       }
+    }
+    if (loose) {
+      stored += std::clamp(pair.held_j + put_in, 0.0, pair.memory.spring_j());
     }
     report_.touches += pair.pushing && !before ? 1 : 0;
     if (dent.depth_m > 0.0 && !dents_.bend(dent)) {

@@ -42,6 +42,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -54,6 +55,7 @@
 #include "sim/contact/dents.h"
 #include "sim/contact/movers.h"
 #include "sim/contact/pair_memory.h"
+#include "sim/contact/rolling_climb.h"
 #include "sim/contact/round_side.h"
 #include "sim/contact/soil_bearing.h"
 #include "sim/ground/ground.h"
@@ -72,12 +74,20 @@ struct ContactBody {
   double damping_nspm = 3e4;
   double crush_n = 0.0;    ///< Force at which a point of contact bends it in; 0: never.
   double crush_npm = 0.0;  ///< By how much more, by the depth of the dent.
-  bool rolls = false;      ///< A wheel: meets only what it cannot roll over (Ground::too_high).
+  bool rolls = false;      ///< A wheel: meets only what it cannot roll over, see step_below_m.
   bool soft = false;       ///< Rubber: how far it is in is how far it is pressed, no overlap.
   /// Points of its surface meet the terrain's heights: of boxes so far apart at most.
   bool meets_terrain = false;
   double spacing_m = 1.0;
   bool meets_obstacles = true;  ///< And what lies loose.
+  /// A wheel cannot roll over what rises above the point so far below its middle, along its link's
+  /// z (Ground::rises_above), balls excepted or not.
+  double step_below_m = 0.0;
+  bool rolls_over_balls = true;
+  /// A drum, which is rigid, has this in place of the two above (ContactSet::climb).
+  RollingClimb climb = {};
+  /// Of its surface; of two that rub the smaller counts. Infinite: that of what it meets.
+  double friction = std::numeric_limits<double>::infinity();
 };
 
 /// Of a body's point, one of so many of its pair, in a row with that of what it meets: `other_npm`
@@ -158,6 +168,8 @@ class ContactSet {
 
   [[nodiscard]] const ContactReport& report() const { return report_; }
   [[nodiscard]] std::span<const ContactBody> bodies() const { return bodies_; }
+  /// What a body that rolls climbs from now on.
+  void climb(std::size_t body, const RollingClimb& climb) { bodies_[body].climb = climb; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
   [[nodiscard]] std::span<const Dent> dents() const { return dents_.dents(); }
 
@@ -186,6 +198,8 @@ class ContactSet {
     Eigen::Vector3d axis_L = Eigen::Vector3d::UnitZ();  ///< The same in the link.
     bool pushing = false;
     PairMemory memory;
+    /// With what lies loose: in its springs, and no more than was put into them.
+    double held_j = 0.0;
   };
 
   /// What a pair meets, in a form that all of them have.
@@ -211,6 +225,9 @@ class ContactSet {
   };
 
   double move_others(double h, double fastest_mps);
+  /// What lies loose has gone its way of the step before, which settle() could only predict from
+  /// the machine's push: the pairs' springs and bristles are set to where it is.
+  void follow_others();
   [[nodiscard]] std::span<const Mover> others() const;
   [[nodiscard]] const Mover* mover_of(std::uint32_t obstacle) const;
   void look(std::span<const ContactLink> links);
@@ -219,7 +236,9 @@ class ContactSet {
                                        const ContactLink& link);
   /// Whether a body meets terrain with this normal.
   [[nodiscard]] bool meets(const ContactBody& body, const ContactLink& link,
-                           const Eigen::Vector3d& normal_W) const;
+                           const Eigen::Vector3d& normal_W, std::uint8_t soil) const;
+  [[nodiscard]] bool rolls_over(const ContactBody& body, std::size_t obstacle,
+                                const ContactLink& link) const;
   void meet(Pair& pair, double h, std::span<const ContactLink> links);
   void meet_terrain(Pair& pair, double h, std::span<const ContactLink> links);
   void add_points(Pair& pair, double h, const ContactLink& link, std::span<const Touch> touches,
@@ -257,6 +276,7 @@ class ContactSet {
   std::vector<std::vector<Eigen::Vector3d>> surface_m_;  ///< Of bodies that meet the terrain.
   double look_after_m_ = 0.0;  ///< Way after which who is near is asked anew.
   double others_due_s_ = 0.0;  ///< The machine's last step, that the others have yet to go.
+  double settled_s_ = 0.0;     ///< Length of the last step that was settled.
   double others_mps_ = 0.0;    ///< Of the fastest of them in its last step.
   double travelled_m_ = kSlack_m;
   double work_j_ = 0.0;

@@ -28,6 +28,7 @@ std::vector<ContactBody> contact_bodies(std::span<const LooseBody> bodies) {
         bodies[i].name, i, Eigen::Isometry3d::Identity(), bodies[i].shape, bodies[i].stiffness_npm,
         2.0 * kDampingRatio * std::sqrt(bodies[i].stiffness_npm * bodies[i].mass_kg)});
     body.meets_terrain = true;
+    body.friction = bodies[i].friction;
     body.spacing_m = bodies[i].shape.half_lengths_m().maxCoeff() / kPointsAlong * 2.0;
   }
   return made;
@@ -76,6 +77,7 @@ LooseBodies::LooseBodies(std::vector<LooseBody> bodies, const Ground& ground)
     mover.stiffness_npm = bodies_[i].stiffness_npm;
     start_m_.push_back(bodies_[i].X_WB.translation());
     place(i);
+    be_free(i);
   }
   members_.reserve(bodies_.size());
   awake_ = bodies_.size();
@@ -87,6 +89,14 @@ void LooseBodies::place(std::size_t body) {
   mover.inverse_inertia_W =
       R * bodies_[body].inertia_kgm2.cwiseInverse().asDiagonal() * R.transpose();
   links_[body] = {mover.X_WM, mover.v_W, mover.w_W, mover.rests};
+}
+
+/// Nothing holds it.
+void LooseBodies::be_free(std::size_t body) {
+  Mover& mover = movers_[body];
+  mover.mobility.setZero();
+  mover.mobility.topLeftCorner<3, 3>().diagonal().setConstant(mover.inverse_mass_1pkg);
+  mover.mobility.bottomRightCorner<3, 3>() = mover.inverse_inertia_W;
 }
 
 void LooseBodies::wake(std::size_t body) {
@@ -164,7 +174,7 @@ std::uint32_t LooseBodies::island_of(std::uint32_t body) const {
 void LooseBodies::join_islands() {
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
     states_[i].island = i;
-    states_[i].touches = false;
+    states_[i].touches = !states_[i].impulse_W.isZero();  // A machine, or what follows.
   }
   for (const ContactPoint& point : contact_.points()) {
     states_[point.link].touches = true;
@@ -237,6 +247,80 @@ void LooseBodies::substitute(std::size_t size) {
   }
 }
 
+/// Either side of the point is of the island and awake.
+bool LooseBodies::is_of(const ContactPoint& point, std::uint32_t island) const {
+  return !movers_[point.link].rests
+             ? island_of(static_cast<std::uint32_t>(point.link)) == island
+             : point.mover && !movers_[*point.mover].rests && island_of(*point.mover) == island;
+}
+
+/// The island's system: masses and the gains of its points, impulses on the right.
+void LooseBodies::assemble(double h, std::uint32_t island, std::size_t size) {
+  const auto acting = [](const ContactPoint& point, std::size_t k) { return point.acting(k); };
+  assemble(h, island, size, acting);
+}
+
+template <typename Law>
+void LooseBodies::assemble(double h, std::uint32_t island, std::size_t size, Law&& law_of) {
+  std::fill_n(matrix_.begin(), size * size, 0.0);
+  std::fill_n(right_.begin(), size, 0.0);
+  for (const std::uint32_t i : members_) {
+    const std::size_t at = states_[i].place;
+    const Eigen::Matrix3d R = movers_[i].X_WM.linear();
+    const Eigen::Matrix3d I = R * bodies_[i].inertia_kgm2.asDiagonal() * R.transpose();
+    const Vector& w = movers_[i].w_W;
+    const Vector force =
+        states_[i].impulse_W + Vector(0.0, 0.0, -h * bodies_[i].mass_kg * gravity_mps2);
+    const Vector turn = states_[i].turn_W - h * w.cross(I * w);
+    for (std::size_t k = 0; k < 3; ++k) {
+      matrix_[(at + k) * size + at + k] = bodies_[i].mass_kg;
+      for (std::size_t m = 0; m < 3; ++m) {
+        matrix_[(at + 3 + k) * size + at + 3 + m] =
+            I(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(m));
+      }
+      right_[at + k] = force[static_cast<Eigen::Index>(k)];
+      right_[at + 3 + k] = turn[static_cast<Eigen::Index>(k)];
+    }
+  }
+  for (const ContactPoint& point : contact_.points()) {
+    if (!is_of(point, island) || point.released) {
+      continue;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const ImplicitForce law = law_of(point, k);
+      std::array<std::pair<std::size_t, std::array<double, 6>>, 2> rows;
+      std::size_t count = 0;
+      const auto row = [&](std::size_t body, double sign) {
+        if (movers_[body].rests) {
+          return;
+        }
+        auto& [place, J] = rows[count++];
+        place = states_[body].place;
+        const Vector d = sign * point.direction_W[k];
+        const Vector m = (point.p_W - movers_[body].X_WM.translation()).cross(d);
+        J = {d.x(), d.y(), d.z(), m.x(), m.y(), m.z()};
+      };
+      row(point.link, 1.0);
+      if (point.mover) {
+        row(*point.mover, -1.0);
+      }
+      const double push = h * law.at(point.start_mps[k]);
+      for (std::size_t a = 0; a < count; ++a) {
+        const auto& [at_a, J_a] = rows[a];
+        for (std::size_t i = 0; i < 6; ++i) {
+          right_[at_a + i] += push * J_a[i];
+          for (std::size_t b = 0; b < count; ++b) {
+            const auto& [at_b, J_b] = rows[b];
+            for (std::size_t j = 0; j < 6; ++j) {
+              matrix_[(at_a + i) * size + at_b + j] += h * law.gain * J_a[i] * J_b[j];
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
 void LooseBodies::solve(double h, std::uint32_t island) {
   members_.clear();
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
@@ -250,71 +334,10 @@ void LooseBodies::solve(double h, std::uint32_t island) {
     matrix_.resize(size * size);
     right_.resize(size);
   }
-  const auto own = [&](const ContactPoint& point) {
-    return !movers_[point.link].rests
-               ? island_of(static_cast<std::uint32_t>(point.link)) == island
-               : point.mover && !movers_[*point.mover].rests && island_of(*point.mover) == island;
-  };
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    std::fill_n(matrix_.begin(), size * size, 0.0);
-    std::fill_n(right_.begin(), size, 0.0);
-    for (const std::uint32_t i : members_) {
-      const std::size_t at = states_[i].place;
-      const Eigen::Matrix3d R = movers_[i].X_WM.linear();
-      const Eigen::Matrix3d I = R * bodies_[i].inertia_kgm2.asDiagonal() * R.transpose();
-      const Vector& w = movers_[i].w_W;
-      const Vector force =
-          states_[i].impulse_W + Vector(0.0, 0.0, -h * bodies_[i].mass_kg * gravity_mps2);
-      const Vector turn = states_[i].turn_W - h * w.cross(I * w);
-      for (std::size_t k = 0; k < 3; ++k) {
-        matrix_[(at + k) * size + at + k] = bodies_[i].mass_kg;
-        for (std::size_t m = 0; m < 3; ++m) {
-          matrix_[(at + 3 + k) * size + at + 3 + m] =
-              I(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(m));
-        }
-        right_[at + k] = force[static_cast<Eigen::Index>(k)];
-        right_[at + 3 + k] = turn[static_cast<Eigen::Index>(k)];
-      }
-    }
-    for (const ContactPoint& point : contact_.points()) {
-      if (!own(point) || point.released) {
-        continue;
-      }
-      for (std::size_t k = 0; k < 3; ++k) {
-        const ImplicitForce law = point.acting(k);
-        std::array<std::pair<std::size_t, std::array<double, 6>>, 2> rows;
-        std::size_t count = 0;
-        const auto row = [&](std::size_t body, double sign) {
-          if (movers_[body].rests) {
-            return;
-          }
-          auto& [place, J] = rows[count++];
-          place = states_[body].place;
-          const Vector d = sign * point.direction_W[k];
-          const Vector m = (point.p_W - movers_[body].X_WM.translation()).cross(d);
-          J = {d.x(), d.y(), d.z(), m.x(), m.y(), m.z()};
-        };
-        row(point.link, 1.0);
-        if (point.mover) {
-          row(*point.mover, -1.0);
-        }
-        const double push = h * law.at(point.start_mps[k]);
-        for (std::size_t a = 0; a < count; ++a) {
-          const auto& [at_a, J_a] = rows[a];
-          for (std::size_t i = 0; i < 6; ++i) {
-            right_[at_a + i] += push * J_a[i];
-            for (std::size_t b = 0; b < count; ++b) {
-              const auto& [at_b, J_b] = rows[b];
-              for (std::size_t j = 0; j < 6; ++j) {
-                matrix_[(at_a + i) * size + at_b + j] += h * law.gain * J_a[i] * J_b[j];
-              }
-            }
-          }
-        }
-      }
-    }
+    assemble(h, island, size);
     if (!factorise(size)) {
-      break;  // Not a number: what was found in the pass before holds.
+      return;  // Not a number: what was found in the pass before holds.
     }
     substitute(size);
     for (const std::uint32_t i : members_) {
@@ -324,7 +347,7 @@ void LooseBodies::solve(double h, std::uint32_t island) {
     }
     bool changed = false;
     for (ContactPoint& point : contact_.points()) {
-      if (own(point)) {
+      if (is_of(point, island)) {
         changed = point.changes(along(point)) || changed;
       }
     }
@@ -332,13 +355,54 @@ void LooseBodies::solve(double h, std::uint32_t island) {
       break;
     }
   }
+  find_mobilities(h, island, size);
+}
+
+/// Of those of the island that machines push: blocks of the inverse of its system over a step of
+/// the machine, with k H + c in place of k h + c. Soil that yields counts as a spring: it gives way
+/// to the force that it bears, and not to less.
+void LooseBodies::find_mobilities(double h, std::uint32_t island, std::size_t size) {
+  const auto pushed = [this](std::uint32_t i) { return !states_[i].impulse_W.isZero(); };
+  if (std::ranges::none_of(members_, pushed)) {
+    return;
+  }
+  const auto over_span = [this, h](const ContactPoint& point, std::size_t k) {
+    ImplicitForce law = k == 0 ? point.force[0] : point.acting(k);
+    const double stiffness_npm = k == 0 ? point.law.stiffness_npm : point.law.bristle_npm;
+    law.gain += law.gain > 0.0 ? (span_s_ - h) * stiffness_npm : 0.0;
+    return law;
+  };
+  assemble(span_s_, island, size, over_span);
+  if (!factorise(size)) {
+    return;
+  }
+  for (const std::uint32_t i : members_) {
+    const std::size_t at = states_[i].place;
+    for (std::size_t k = 0; k < 6 && pushed(i); ++k) {
+      std::fill_n(right_.begin(), size, 0.0);
+      right_[at + k] = 1.0;
+      substitute(size);
+      movers_[i].mobility.col(static_cast<Eigen::Index>(k)) =
+          Eigen::Map<const Eigen::Matrix<double, 6, 1>>(right_.data() + at);
+    }
+  }
 }
 
 double LooseBodies::advance(double h) {
   const int steps = std::max(1, static_cast<int>(std::ceil(h / kLongestStep_s - 1e-9)));
   double fastest = 0.0;
+  span_s_ = h;
+  // What machines push acts over all of h.
+  for (State& state : states_) {
+    state.impulse_W /= steps;
+    state.turn_W /= steps;
+  }
   for (int i = 0; i < steps && awake_ > 0; ++i) {
     fastest = std::max(fastest, step(h / steps));
+  }
+  for (State& state : states_) {
+    state.impulse_W.setZero();
+    state.turn_W.setZero();
   }
   return fastest;
 }
@@ -352,6 +416,7 @@ double LooseBodies::step(double h) {
       from_[i][static_cast<std::size_t>(k) + 3] = mover.w_W[k];
     }
     found_[i] = from_[i];
+    be_free(i);
     links_[i] = {mover.X_WM, mover.v_W, mover.w_W, mover.rests};
     if (!mover.rests) {
       fastest = std::max(fastest, mover.v_W.norm() + bodies_[i].shape.reach_m() * mover.w_W.norm() +
@@ -413,8 +478,6 @@ double LooseBodies::step(double h) {
                                       Eigen::Quaterniond(mover.X_WM.linear()));
       mover.X_WM.linear() = turned.normalized().toRotationMatrix();
     }
-    state.impulse_W.setZero();
-    state.turn_W.setZero();
     const double speed = mover.v_W.norm() + bodies_[i].shape.reach_m() * rate;
     state.calm_s = state.touches && speed < kCalm_mps ? state.calm_s + h : 0.0;
     if (state.calm_s > kCalm_s) {

@@ -40,7 +40,7 @@ struct LooseBody {
   double mass_kg = 100.0;
   Eigen::Vector3d inertia_kgm2 = Eigen::Vector3d::Constant(10.0);
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
-  double friction = 0.6;
+  double friction = 0.6;            ///< Of its surface; of two that rub the smaller counts.
   double rolling_resistance = 0.0;  ///< Coefficient.
   double stiffness_npm = 5e6;       ///< Of one point of contact.
 };
@@ -77,7 +77,7 @@ class LooseBodies final : public Movers {
 
  private:
   struct State {
-    Eigen::Vector3d impulse_W = Eigen::Vector3d::Zero();  ///< By machines, since the last step.
+    Eigen::Vector3d impulse_W = Eigen::Vector3d::Zero();  ///< By machines, over one advance().
     Eigen::Vector3d turn_W = Eigen::Vector3d::Zero();
     double calm_s = 0.0;
     std::uint32_t island = 0;  ///< The least of the bodies that it touches something with.
@@ -88,9 +88,15 @@ class LooseBodies final : public Movers {
   double step(double h);
   void wake(std::size_t body);
   void place(std::size_t body);
+  void be_free(std::size_t body);
   [[nodiscard]] std::uint32_t island_of(std::uint32_t body) const;
   void join_islands();
+  [[nodiscard]] bool is_of(const ContactPoint& point, std::uint32_t island) const;
+  void assemble(double h, std::uint32_t island, std::size_t size);
+  template <typename Law>
+  void assemble(double h, std::uint32_t island, std::size_t size, Law&& law_of);
   void solve(double h, std::uint32_t island);
+  void find_mobilities(double h, std::uint32_t island, std::size_t size);
   [[nodiscard]] bool factorise(std::size_t size);
   void substitute(std::size_t size);
   [[nodiscard]] std::array<double, 3> along(const ContactPoint& point) const;
@@ -108,6 +114,7 @@ class LooseBodies final : public Movers {
   std::vector<double> matrix_;          ///< Row by row, its lower half.
   std::vector<double> right_;
   std::size_t awake_ = 0;
+  double span_s_ = 0.0;  ///< Of advance().
 };
 
 }  // namespace rigwire::sim

@@ -2,7 +2,9 @@
 //
 // A machine's contact with one is solved in the machine's own step, with the other's mass condensed
 // into the law of each point. With u the velocity of the machine's surface, w the mobility of the
-// other (J M^-1 J^T), u_B its own velocity before the push:
+// other (J A J^T; A is M^-1 where it is free, and (M + h sum of J_c^T gain J_c)^-1 where other
+// points c hold it: a stone on the ground, a crate before a wall), u_B its own velocity before the
+// push:
 //
 //     F = offset - gain (u - u_B + h w F)   =>
 //     F = (offset + gain u_B - gain u) / (1 + h gain w)
@@ -28,6 +30,8 @@ struct Mover {
   Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
   double inverse_mass_1pkg = 0.0;
   Eigen::Matrix3d inverse_inertia_W = Eigen::Matrix3d::Zero();
+  /// Velocity and rate (W) by an impulse at the centre of mass and a turning one (W), over a step.
+  Eigen::Matrix<double, 6, 6> mobility = Eigen::Matrix<double, 6, 6>::Zero();
   double friction = 0.6;
   double stiffness_npm = 0.0;  ///< Of itself, in series with what hits it; 0: rigid.
   bool rests = false;          ///< Does not move until it is pushed.
@@ -39,8 +43,9 @@ struct Mover {
   /// Velocity at p_W along the unit direction per impulse along it there, 1/kg.
   [[nodiscard]] double mobility_1pkg(const Eigen::Vector3d& p_W,
                                      const Eigen::Vector3d& direction_W) const {
-    const Eigen::Vector3d moment = (p_W - X_WM.translation()).cross(direction_W);
-    return inverse_mass_1pkg + moment.dot(inverse_inertia_W * moment);
+    Eigen::Matrix<double, 6, 1> row;
+    row << direction_W, (p_W - X_WM.translation()).cross(direction_W);
+    return row.dot(mobility * row);
   }
 };
 

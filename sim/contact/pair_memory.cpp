@@ -69,7 +69,7 @@ void PairMemory::Step::start(std::span<ContactPoint> points, double stiffness_np
     point.gap_m += pair_->rest_m_ + point.dent_m + point.sunk_m;
     const double pressed = std::max(0.0, -point.gap_m);
     spring += point.spring_j(pressed);
-    unlimited += 0.5 * stiffness_npm * pressed * pressed;
+    unlimited += 0.5 * point.law.stiffness_npm * pressed * pressed;
   }
   const double allowed = pair_->spring_j_ + 0.5 * stiffness_npm * kFreshOverlap_m * kFreshOverlap_m;
   const double share = spring > allowed ? allowed / unlimited : 1.0;

@@ -43,6 +43,12 @@ class LooseThings : public testing::Test {
   rigwire::test::PrivateWires wires;
 };
 
+/// Wants to look at the scene in every slice.
+class SteadyViewer final : public WorldSensor {
+ public:
+  void take(SimTime /*frontier*/, const Shelves& /*requests*/) override {}
+};
+
 /// Lines of the truth tap, each 100 ms.
 class Lines final : public TruthObserver {
  public:
@@ -66,6 +72,7 @@ TEST_F(LooseThings, ACrateInTheWayIsPushedAndSeenAndToldWhereItIs) {
       "mass: 200 kg}\n"
       "    - {name: aside, size: [1 m, 1 m, 1 m], position: [9 m, 8 m, 0 m], loose: true, "
       "mass: 200 kg}\n"));
+  world.add(std::make_unique<SteadyViewer>());
   auto& machine = dynamic_cast<sim::WheeledVehicle&>(world.machine());
   VehicleCommand command;
   command.parking_brake = false;

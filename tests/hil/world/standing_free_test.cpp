@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "hil/rig/rig.h"
 #include "private_wires.h"
@@ -68,6 +69,31 @@ TEST_F(StandingFree, a_body_in_an_obstacle_is_refused) {
       HasSubstr("starts with its body "));
 }
 
+// Terrain and obstacles alone were looked at: a crate of 0.36 or 0.86 m was in the truck's way
+// between the points of its surface, or in a wheel.
+TEST_F(StandingFree, what_lies_loose_is_in_the_way_too) {
+  const auto beside = [this](const std::string& size, const std::string& place) {
+    return complaints(
+        "scene:\n"
+        "  terrain: {type: level}\n"
+        "  boxes: [{name: crate, loose: true, mass: 300 kg, size: " +
+        size + ", position: " + place +
+        "}]\n"
+        "machine: {include: " +
+        std::string(RIGWIRE_SOURCE_DIR) + "/configs/machines/unimog_u5023.yaml}\n");
+  };
+  const std::string small = "[0.36 m, 0.36 m, 0.36 m]";
+  const std::string large = "[0.86 m, 0.86 m, 0.86 m]";
+  for (const auto& [size, place] :
+       {std::pair{small, "[3.85 m, 0.9 m, 0 m]"}, std::pair{large, "[2 m, 0 m, 0 m]"},
+        std::pair{large, "[4.9 m, 0.3 m, 0 m]"}}) {
+    EXPECT_THAT(beside(size, place), HasSubstr("deep in 'crate', which lies loose, allowed"))
+        << place;
+  }
+  EXPECT_EQ(beside(large, "[6 m, 0 m, 0 m]"), "");
+  EXPECT_EQ(beside("[0.2 m, 0.2 m, 0.2 m]", "[2 m, 0 m, 0 m]"), "");  // Below its frame.
+}
+
 // It was put upright, tumbled down and began on its side, metres away, with exit status 0.
 TEST_F(StandingFree, an_excavator_stands_on_the_slopes_that_hold_it_and_is_refused_elsewhere) {
   for (const std::string machine : {"excavator_ref18t", "excavator_ref18t_tracks"}) {
@@ -114,9 +140,9 @@ TEST_F(StandingFree, a_place_as_maps_have_it_is_out_of_range_of_any_scene) {
 
 TEST_F(StandingFree, a_height_that_wheels_do_not_take_is_refused) {
   EXPECT_THAT(complaints("machine: {type: wheeled, position: [0 m, 0 m, 3 m]}\n"),
-              HasSubstr("machine.position.2: the machine stands on the terrain by itself"));
+              HasSubstr("machine.position.2: the machine is placed on the terrain automatically"));
   EXPECT_THAT(complaints("machine: {type: tandem_roller, on_ground: false}\n"),
-              HasSubstr("machine.on_ground: the machine stands on the terrain by itself"));
+              HasSubstr("machine.on_ground: the machine is placed on the terrain automatically"));
 }
 
 }  // namespace

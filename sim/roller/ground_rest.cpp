@@ -53,18 +53,29 @@ GroundRest::GroundRest(const RollerParameters& parameters, const Ground& ground)
   place_strips({0.0, 0.0});
 }
 
-void GroundRest::climb(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB, double steer_rad,
+double GroundRest::friction(std::size_t drum) const {
+  double sum = 0.0;
+  double bearing = 0.0;
+  for (std::size_t i = drum * drum_strips_; i < (drum + 1) * drum_strips_; ++i) {
+    sum += strips_[i].bears() ? strips_[i].point.friction : 0.0;
+    bearing += strips_[i].bears() ? 1.0 : 0.0;
+  }
+  return sum / std::max(1.0, bearing);
+}
+
+void GroundRest::climb(std::size_t drum, const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB,
                        StripGround& strip) const {
   // Looked at from below, so that a drum that is still above the obstacle knows its height, too.
   constexpr double kBelow_m = 0.1;
   constexpr int kHalvings = 40;
   const Eigen::Vector3d up_W = R_WB.col(2);
+  const double steer_rad = steer_rad_[drum];
   const Eigen::Vector3d axle_W =
       std::cos(steer_rad) * R_WB.col(1) - std::sin(steer_rad) * R_WB.col(0);
   const Eigen::Vector3d low_W = p_W + (radius_m_ - kBelow_m) * up_W;
   for (const std::uint32_t index : near_) {
     const Obstacle& obstacle = ground_->obstacles()[index];
-    if (ground_->too_high(index, low_W + kBelow_m * up_W) ||
+    if (!climbs(climbs_[drum], *ground_, index, low_W + kBelow_m * up_W, up_W) ||
         !disc_overlap(obstacle, low_W, axle_W, radius_m_)) {
       continue;
     }
@@ -143,8 +154,16 @@ struct GroundRest::Disc {
   }
 };
 
-void GroundRest::roll_over(const Disc& disc, const Eigen::Matrix3d& R_WB, double steer_rad,
-                           StripGround& strip) {
+// Whether a disc is brought over what it touches at an angle round from its lowest line.
+bool GroundRest::rises(double angle_rad, const Disc& disc, const RollingClimb& climb,
+                       const GroundPoint& point) {
+  const double up = std::cos(angle_rad);
+  return climb.radius_m <= 0.0 || up > RollingClimb::kSlope ||
+         disc.radius_m * (1.0 - up) <= climb.height_m(point.friction);
+}
+
+void GroundRest::roll_over(const Disc& disc, const RollingClimb& climb, const Eigen::Matrix3d& R_WB,
+                           double steer_rad, StripGround& strip) {
   const auto around = disc.around();
   Disc::Place touch;
   for (std::size_t i = 1; i + 1 < around.size(); ++i) {
@@ -152,7 +171,9 @@ void GroundRest::roll_over(const Disc& disc, const Eigen::Matrix3d& R_WB, double
     if (around[i].lift_m > around[i - 1].lift_m && around[i].lift_m >= around[i + 1].lift_m &&
         around[i].lift_m > strip.gap_m - kDiscStep_rad * disc.radius_m) {
       const Disc::Place found = disc.most(around[i - 1].angle_rad, around[i + 1].angle_rad);
-      touch = found.lift_m > touch.lift_m ? found : touch;
+      if (found.lift_m > touch.lift_m && rises(found.angle_rad, disc, climb, found.point)) {
+        touch = found;
+      }
     }
   }
   if (touch.lift_m <= strip.gap_m) {
@@ -297,9 +318,9 @@ void GroundRest::look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
       const double heading = steer_rad[drum];
       roll_over({ground_, p_W, R_WB.col(2),
                  std::cos(heading) * R_WB.col(0) + std::sin(heading) * R_WB.col(1), radius_m_},
-                R_WB, heading, strip);
+                climbs_[drum], R_WB, heading, strip);
     }
-    climb(p_W, R_WB, steer_rad[drum], strip);
+    climb(drum, p_W, R_WB, strip);
   }
   find_bearing(put_down);
   Eigen::Vector3d right = Eigen::Vector3d::Zero();

@@ -2,8 +2,8 @@
 //
 // A drum is round: obstacles and edges of the terrain are felt along its arc, as the lift that
 // frees each strip's disc from them, so that a kerb raises the drum from where its edge first
-// touches it and a drum rolls over the edge that it leaves. What rises above a drum's axle, or 72
-// degrees round from its lowest line, is not climbed (sim/contact).
+// touches it and a drum rolls over the edge that it leaves. What both drums' friction does not
+// bring it over is not climbed (sim/contact/rolling_climb.h): it stops the drum as a wall does.
 //
 // Rigid drums rest on the terrain in the least-squares sense: the plane through the lowest lines of
 // the drums that fits the heights under all strips best which have ground under them: one that is
@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/contact/rolling_climb.h"
 #include "sim/ground/ground.h"
 #include "sim/roller/parameters.h"
 
@@ -53,6 +54,10 @@ class GroundRest {
   /// it is put down, all strips bear, however far from the ground.
   void look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
             const std::array<double, 2>& steer_rad, bool put_down = false);
+  /// What a drum rolls over from now on; what it does not, its contact meets.
+  void limit(std::size_t drum, const RollingClimb& climb) { climbs_[drum] = climb; }
+  /// Mean friction under a drum, of the strips that bear.
+  [[nodiscard]] double friction(std::size_t drum) const;
   [[nodiscard]] std::size_t count() const { return count_; }
   /// Front drum's strips first, each from right to left.
   [[nodiscard]] const StripGround& strip(std::size_t index) const { return strips_[index]; }
@@ -74,13 +79,15 @@ class GroundRest {
   /// Which strips bear, and the normal equations of those.
   void find_bearing(bool put_down);
   struct Disc;
-  static void roll_over(const Disc& disc, const Eigen::Matrix3d& R_WB, double steer_rad,
-                        StripGround& strip);
+  static void roll_over(const Disc& disc, const RollingClimb& climb, const Eigen::Matrix3d& R_WB,
+                        double steer_rad, StripGround& strip);
+  [[nodiscard]] static bool rises(double angle_rad, const Disc& disc, const RollingClimb& climb,
+                                  const GroundPoint& point);
   /// Whether the terrain within a drum's reach has edges; looked at again after 0.1 m of way.
   [[nodiscard]] bool rough(std::size_t drum, const Eigen::Vector3d& p_WB,
                            const Eigen::Matrix3d& R_WB);
   /// Obstacles beside the terrain under one strip at p_W: raises its gap and slopes.
-  void climb(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB, double steer_rad,
+  void climb(std::size_t drum, const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB,
              StripGround& strip) const;
   /// Of heave, roll and pitch; `right`: sums of heights times (1, y, -x).
   [[nodiscard]] RestMotion fit(const Eigen::Vector3d& right) const;
@@ -96,6 +103,7 @@ class GroundRest {
   std::size_t count_;
   std::vector<std::uint32_t> near_;  ///< Obstacles within a radius of the drums.
   std::array<double, 2> steer_rad_{};
+  std::array<RollingClimb, 2> climbs_;
   struct Seen {
     std::array<Eigen::Vector3d, 2> ends_W{Eigen::Vector3d::Constant(1e300),
                                           Eigen::Vector3d::Constant(1e300)};

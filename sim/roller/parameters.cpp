@@ -94,7 +94,8 @@ void visit(fields::Visitor& v, RollerParameters& p) {
            "Frequency of heave, pitch and roll on mat and mounts.");
   v.number("rest_damping_ratio", p.rest_damping_ratio, plain().between(0, 10),
            "Damping ratio of heave, pitch and roll on mat and mounts.");
-  v.section("solid", p.solid, "What of the machine meets trunks, walls and other obstacles.");
+  v.section("solid", p.solid,
+            "Parts of the machine that collide with trunks, walls and other obstacles.");
   v.number("step", p.step_s, in("ms").between(0.001, 50), "Longest inner step of the roller.");
   v.number("gravity", p.gravity_mps2, in("m/s2").between(0, 1000),
            "Acceleration of gravity, downwards.");

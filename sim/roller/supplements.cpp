@@ -48,7 +48,7 @@ void visit(fields::Visitor& v, EdgeCutterParameters& p) {
            "Height of the wheel when raised.");
   v.number("lift_time", p.lift_time_s, in("s").between(0.001, 1e5), "Time over the whole lift.");
   v.number("press_share", p.press_share, plain().between(0, 0.99),
-           "Share of the lift at which the wheel meets the mat.");
+           "Share of the lift at which the wheel touches the mat.");
   v.number("lateral", p.lateral_n, in("kN").between(0, 1e6),
            "Lateral reaction on the frame, pressed down and moving.");
   v.number("moving", p.moving_mps, in("m/s").between(1e-4, 300),

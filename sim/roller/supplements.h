@@ -37,7 +37,7 @@ void visit(fields::Visitor& v, SpreaderParameters& p);
 struct EdgeCutterParameters {
   double lift_m = 0.6;
   double lift_time_s = 2.5;   ///< Over the whole lift.
-  double press_share = 0.95;  ///< Share of the lift at which the wheel meets the mat.
+  double press_share = 0.95;  ///< Share of the lift at which the wheel touches the mat.
   double lateral_n = 7500.0;  ///< Reaction on the frame when fully pressed and moving.
   double moving_mps = 0.05;   ///< Speed from which the reaction is full.
   double x_m = 0.6;           ///< Of the wheel, in the frame.

@@ -323,6 +323,7 @@ void TandemRoller::part_step(double h) {
     vibration_[i].step(h);
   }
   supplements(h, v_B.x());
+  limit_climbs(v_B.x());
   rest_.look(start_W_ + state_.displacement_W, R_WB,
              {steering_[0].angle_rad(), steering_[1].angle_rad()});
 
@@ -359,6 +360,19 @@ void TandemRoller::part_step(double h) {
     if (std::abs(spin_angle_rad_[i]) > std::numbers::pi) {
       spin_angle_rad_[i] = std::remainder(spin_angle_rad_[i], 2.0 * std::numbers::pi);
     }
+  }
+}
+
+/// What each drum climbs: the other one pushes with its friction on what it stands on.
+void TandemRoller::limit_climbs(double speed_mps) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    RollingClimb climb;
+    climb.radius_m = parameters_.drum.radius_m;
+    climb.grip = parameters_.drum.friction_factor;
+    climb.helped_rad = std::atan(climb.grip * rest_.friction(1 - i));
+    climb.run_m = speed_mps * speed_mps / std::max(1.0, parameters_.gravity_mps2);
+    rest_.limit(i, climb);
+    contact_.climb(contact_.bodies().size() - 2 + i, climb);  // The last two (solid_bodies()).
   }
 }
 

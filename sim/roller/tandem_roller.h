@@ -76,6 +76,7 @@ class TandemRoller final : public Machine, public VehiclePort, public PowerUnitD
   [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const override;
   void fail(const PowerUnitDefects& defects) override { drive_.fail(defects); }
   [[nodiscard]] EngineData engine_data() const override { return drive_.engine_data(); }
+  [[nodiscard]] bool steers_rear() const override { return true; }
 
   /// Sets the motion of the frame in its own plane, for tests: forward and left at the origin,
   /// yaw rate; the drums roll along.
@@ -121,6 +122,7 @@ class TandemRoller final : public Machine, public VehiclePort, public PowerUnitD
   void hold_travel_speed(double h);
   void command_drive();
   void supplements(double h, double speed_mps);
+  void limit_climbs(double speed_mps);
   /// Loads and friction limits of all strips, weight, supplements.
   void load_strips(const Eigen::Matrix3d& R_WB, double speed_mps);
   void move_dynamic(double h, const Eigen::Matrix3d& R_WB, const RestMotion& rest_before,

@@ -27,6 +27,9 @@ HandSettings::HandSettings(sim::Machine& machine) {
     rows_.push_back({"brake", Kind::brake, 0, 0.0});
     rows_.push_back({"parking_brake", Kind::parking_brake, 0, 0.0});
     rows_.push_back({"front_steer", Kind::front_steer, 0, 0.0});
+    if (machine.vehicle_port()->steers_rear()) {
+      rows_.push_back({"rear_steer", Kind::rear_steer, 0, 0.0});
+    }
   }
 }
 
@@ -76,6 +79,11 @@ void visit(fields::Visitor& v, HandSettings& p) {
       case Kind::front_steer:
         v.number(row.name, row.value, in("deg").between(-kSteepest_deg, kSteepest_deg),
                  "Angle of the front axle's equivalent wheel, or of the drum, left positive; "
+                 "within what it has.");
+        break;
+      case Kind::rear_steer:
+        v.number(row.name, row.value, in("deg").between(-kSteepest_deg, kSteepest_deg),
+                 "Angle of the rear axle's equivalent wheel, or of the rear drum, left positive; "
                  "within what it has.");
         break;
     }
@@ -178,6 +186,9 @@ void Hand::lay_vehicle(SimTime frontier, bool anew) {
         break;
       case Kind::front_steer:
         command.front_steer_rad = value;
+        break;
+      case Kind::rear_steer:
+        command.rear_steer_rad = value;
         break;
       case Kind::opening:
       case Kind::engine_speed:

@@ -32,7 +32,8 @@ class HandSettings {
     travel_speed,
     brake,
     parking_brake,
-    front_steer
+    front_steer,
+    rear_steer,
   };
   struct Row {
     std::string name;

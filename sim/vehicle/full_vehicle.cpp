@@ -263,15 +263,30 @@ void FullVehicle::meet_obstacles(double h, const Velocities& start) {
         v_C + w.cross(frame.hub_m) + frame.velocity_by_s[0] * r0 + frame.velocity_by_s[1] * r1,
         frame.rate + state_.wheel_rate_radps[i] * frame.axis);
   }
-  contact_links_[1] = contact_links_[2] = contact_links_[0];
+  std::array<WheelFrame, 2> carriers;
+  for (std::size_t i = 0; i < 2; ++i) {
+    carriers[i] = axles_[i].carrier();
+    const double r0 = state_.suspension_rate[2 * i];
+    const double r1 = state_.suspension_rate[2 * i + 1];
+    put(contact_links_[1 + i], carriers[i].hub_m, axles_[i].R_BA(),
+        v_C + w.cross(carriers[i].hub_m) + carriers[i].velocity_by_s[0] * r0 +
+            carriers[i].velocity_by_s[1] * r1,
+        carriers[i].rate);
+  }
   contact_.begin(h, contact_links_);
   contact_rows_.clear();
   for (ContactPoint& point : contact_.points()) {
-    const bool wheel = point.link >= 3;
-    const std::size_t index = wheel ? point.link - 3 : 0;
     const Vector3d p_C = R_WB.transpose() * (point.p_W - state_.p_WC);
-    contact_rows_.push_back(contact_rows(
-        point, R_WB, p_C, wheel ? &axles_[index / 2].wheel(index % 2) : nullptr, index));
+    if (point.link == 0) {
+      contact_rows_.push_back(contact_rows(point, R_WB, p_C, nullptr, 0));
+    } else if (point.link < 3) {
+      contact_rows_.push_back(
+          contact_rows(point, R_WB, p_C, &carriers[point.link - 1], 2 * (point.link - 1)));
+    } else {
+      const std::size_t index = point.link - 3;
+      contact_rows_.push_back(
+          contact_rows(point, R_WB, p_C, &axles_[index / 2].wheel(index % 2), index));
+    }
     point.begin(h, contact_rows_.back().of(start));
   }
 }
@@ -518,19 +533,9 @@ void FullVehicle::update_links() {
                     alpha + rate_by_s[0] * a0 + rate_by_s[1] * a1 + bias_rate);
   };
   for (std::size_t i = 0; i < 2; ++i) {
-    LinkMotion& link = links_[1 + i];
-    if (axles_[i].masses() == 1) {
-      const UnsprungMass& beam = axles_[i].mass(0);
-      link = moving(beam.position_m, beam.velocity_by_s, beam.rate_by_s, beam.bias_mps2,
-                    beam.bias_radps2, beam.rate, i, beam.R_BA);
-    } else {
-      const WheelFrame& l = axles_[i].wheel(0);
-      const WheelFrame& r = axles_[i].wheel(1);
-      const std::array<Vector3d, 2> by_s{0.5 * l.velocity_by_s[0], 0.5 * r.velocity_by_s[1]};
-      const std::array<Vector3d, 2> none{Vector3d::Zero(), Vector3d::Zero()};
-      link = moving(0.5 * (l.hub_m + r.hub_m), by_s, none, 0.5 * (l.bias_mps2 + r.bias_mps2),
-                    Vector3d::Zero(), w, i, Matrix3d::Identity());
-    }
+    const WheelFrame part = axles_[i].carrier();
+    links_[1 + i] = moving(part.hub_m, part.velocity_by_s, part.rate_by_s, part.bias_mps2,
+                           part.bias_radps2, part.rate, i, axles_[i].R_BA());
   }
   for (std::size_t i = 0; i < kWheels; ++i) {
     const WheelFrame& frame = axles_[i / 2].wheel(i % 2);

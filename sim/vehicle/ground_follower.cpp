@@ -13,6 +13,10 @@ constexpr double kFollow_radps = 2.0 * std::numbers::pi * 2.5;
 
 }  // namespace
 
+double step_height_m(const VehicleAxleParameters& axle) {
+  return 0.5 * axle.tyre.unloaded_radius_m;
+}
+
 void GroundFollower::reset(const Ground& ground, const VehiclePlace& place) {
   const Eigen::Isometry3d X_WB = place_on_ground(ground, *parameters_, place);
   place_m_ = X_WB.translation().head<2>();
@@ -35,13 +39,14 @@ GroundFollower::Plane GroundFollower::look(const Ground& ground) {
   const Vector2d slope = follow_.tail<2>();
   const double along = 1.0 / std::sqrt(1.0 + std::pow(slope.dot(ahead), 2));
   const double across = 1.0 / std::sqrt(1.0 + std::pow(slope.dot(left), 2));
+  const double upright = 1.0 / std::sqrt(1.0 + slope.squaredNorm());
   std::array<double, kWheels> height;
   for (std::size_t i = 0; i < kWheels; ++i) {
     const VehicleAxleParameters& axle = i < 2 ? parameters_->front : parameters_->rear;
     const double side = (i % 2 == 0 ? 0.5 : -0.5) * axle.track_m;
     const Vector2d offset = along * axle.position_x_m * ahead + across * side * left;
     const Vector2d at = place_m_ + offset;
-    const double ceiling = follow_[0] + slope.dot(offset) + 0.5 * axle.tyre.unloaded_radius_m;
+    const double ceiling = follow_[0] + slope.dot(offset) + upright * step_height_m(axle);
     points_[i] = ground.at(at.x(), at.y(), ceiling);
     height[i] = points_[i].height_m;
     places_[i] = {at.x(), at.y(), height[i]};
@@ -115,6 +120,13 @@ bool GroundFollower::finite() const {
          body_.w_WL_W.allFinite() && body_.alpha_WL_W.allFinite();
 }
 
+Vector3d axle_centre_m(const WheeledVehicleParameters& parameters, const StaticLoads& loads,
+                       std::size_t axle) {
+  const VehicleAxleParameters& at = axle == 0 ? parameters.front : parameters.rear;
+  const double rise = at.type == AxleType::beam ? at.portal_offset_m : 0.0;
+  return {at.position_x_m, 0.0, loads.wheel_height_m[axle] + rise};
+}
+
 Vector3d wheel_centre_m(const WheeledVehicleParameters& parameters, const StaticLoads& loads,
                         std::size_t wheel) {
   const VehicleAxleParameters& axle = wheel < 2 ? parameters.front : parameters.rear;
@@ -126,6 +138,12 @@ void place_rigid_links(const WheeledVehicleParameters& parameters, const StaticL
                        const std::array<double, 4>& steer_rad, const LinkMotion& body,
                        std::array<ContactLink, 7>& links) {
   links.fill({body.X_WL, body.v_WL_W, body.w_WL_W});
+  for (std::size_t i = 0; i < 2; ++i) {
+    ContactLink& link = links[1 + i];
+    const Vector3d centre = axle_centre_m(parameters, loads, i);
+    link.X_WL.translation() += body.X_WL.linear() * centre;
+    link.v_WL_W += body.w_WL_W.cross(body.X_WL.linear() * centre);
+  }
   for (std::size_t i = 0; i < kWheels; ++i) {
     Eigen::Isometry3d X_BH = Eigen::Isometry3d::Identity();
     X_BH.translation() = wheel_centre_m(parameters, loads, i);
@@ -142,10 +160,8 @@ void rigid_links(const WheeledVehicleParameters& parameters, const StaticLoads& 
                  const LinkMotion& body, std::array<LinkMotion, 7>& links) {
   links[0] = body;
   for (std::size_t i = 0; i < 2; ++i) {
-    const VehicleAxleParameters& axle = i == 0 ? parameters.front : parameters.rear;
-    const double rise = axle.type == AxleType::beam ? axle.portal_offset_m : 0.0;
     Eigen::Isometry3d X_BL = Eigen::Isometry3d::Identity();
-    X_BL.translation() = Vector3d(axle.position_x_m, 0.0, loads.wheel_height_m[i] + rise);
+    X_BL.translation() = axle_centre_m(parameters, loads, i);
     links[1 + i] = at_mount(body, X_BL);
   }
   for (std::size_t i = 0; i < kWheels; ++i) {

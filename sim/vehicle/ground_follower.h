@@ -17,6 +17,10 @@
 
 namespace rigwire::sim {
 
+/// Up to this height above the body's ground plane an obstacle carries a wheel of the axle; what
+/// rises higher where the wheel does not stand on it is solid to it (vehicle_contact()).
+[[nodiscard]] double step_height_m(const VehicleAxleParameters& axle);
+
 class GroundFollower {
  public:
   explicit GroundFollower(const WheeledVehicleParameters& parameters) : parameters_(&parameters) {}
@@ -32,7 +36,7 @@ class GroundFollower {
 
   [[nodiscard]] const LinkMotion& body() const { return body_; }
   [[nodiscard]] Eigen::Matrix3d R_WB() const { return body_.X_WL.linear(); }
-  /// Under the wheels; obstacles count up to half a wheel's radius above the body's ground plane.
+  /// Under the wheels; obstacles count up to step_height_m() above the body's ground plane.
   [[nodiscard]] const std::array<GroundPoint, kWheels>& ground() const { return points_; }
   /// Where those lie.
   [[nodiscard]] const std::array<Eigen::Vector3d, kWheels>& places() const { return places_; }
@@ -68,6 +72,10 @@ void rigid_links(const WheeledVehicleParameters& parameters, const StaticLoads& 
 void place_rigid_links(const WheeledVehicleParameters& parameters, const StaticLoads& loads,
                        const std::array<double, 4>& steer_rad, const LinkMotion& body,
                        std::array<ContactLink, 7>& links);
+
+/// Origin of an axle's link in B, in design position: in the middle of its beam.
+[[nodiscard]] Eigen::Vector3d axle_centre_m(const WheeledVehicleParameters& parameters,
+                                            const StaticLoads& loads, std::size_t axle);
 
 /// Middle of a wheel in B, in design position.
 [[nodiscard]] Eigen::Vector3d wheel_centre_m(const WheeledVehicleParameters& parameters,

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "sim/vehicle/ground_follower.h"
+
 namespace rigwire::sim {
 
 namespace {
@@ -66,6 +68,10 @@ ContactSet vehicle_contact(const WheeledVehicleParameters& parameters, const Sta
                     true,
                     true});
     wheel.meets_terrain = !by_wheels;
+    if (!by_wheels) {
+      wheel.step_below_m = loads.wheel_height_m[i / 2] - step_height_m(axle);
+      wheel.rolls_over_balls = false;
+    }
     // The cylinder's z along the axle.
     wheel.X_LS = Eigen::AngleAxisd(-0.5 * std::numbers::pi, Eigen::Vector3d::UnitX());
     ContactBody rim = wheel;

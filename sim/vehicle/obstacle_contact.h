@@ -31,7 +31,7 @@ struct VehicleContactRows {
 };
 
 /// Rows at a point given from the body's C in its axes. `wheel`: of which the point is, with its
-/// index; null: of the body.
+/// index, or the carrier of an axle with that of one of its wheels; null: of the body.
 [[nodiscard]] VehicleContactRows contact_rows(const ContactPoint& point,
                                               const Eigen::Matrix3d& R_WB,
                                               const Eigen::Vector3d& p_C, const WheelFrame* wheel,

@@ -91,7 +91,9 @@ WheeledVehicleParameters::WheeledVehicleParameters() {
                     {{1.9, -0.4, 0.62}}};
   solid.boxes = {{"cab", "body", {3.97, 0.0, 1.75}, {1.56, 2.2, 1.8}, 0.0},
                  {"frame", "body", {1.78, 0.0, 0.85}, {5.66, 0.9, 0.42}, 0.0},
-                 {"bed", "body", {1.07, 0.0, 1.43}, {4.24, 2.4, 0.94}, 0.0}};
+                 {"bed", "body", {1.07, 0.0, 1.43}, {4.24, 2.4, 0.94}, 0.0},
+                 {"front axle", "front_axle", {0.0, 0.0, -0.035}, {0.35, 1.5, 0.35}, 0.0},
+                 {"rear axle", "rear_axle", {0.0, 0.0, -0.035}, {0.35, 1.5, 0.35}, 0.0}};
   solid.stiffness_npm = 4e7;
   solid.crush_n = 2.5e5;
   solid.crush_npm = 4e5;
@@ -257,9 +259,12 @@ void visit(fields::Visitor& v, WheeledVehicleParameters& p) {
   v.section("rear", p.rear, "Rear axle.");
   v.number("brake_stiffness", p.brake_stiffness_nmprad, in("N m/rad").between(0.001, 1e12),
            "Stiffness of a brake that holds, at the wheel.");
+  v.number("brake_lag", p.brake_lag_s, in("ms").between(0, 10'000),
+           "Lag of the service brake's torque behind its demand; 0 = none.");
   v.section("tyre_pressure", p.tyre_pressure, "Central tyre inflation.");
   v.section("chassis", p.chassis, "Corners that may hit the ground.");
-  v.section("solid", p.solid, "What of the machine meets trunks, rocks, walls and trucks.");
+  v.section("solid", p.solid,
+            "Parts of the machine that collide with trunks, rocks, walls and trucks.");
   v.section("travel", p.travel, "Controller of the travel speed.");
   v.section("implements", p.implements, "Hitches and power take-offs.");
   v.number("air_drag", p.air_drag_ns2pm2, plain().between(0, 1e6),

@@ -181,6 +181,9 @@ struct WheeledVehicleParameters {
   VehicleAxleParameters front;
   VehicleAxleParameters rear;
   double brake_stiffness_nmprad = 4.0e5;  ///< Of a brake that holds, at the wheel.
+  /// Of the service brake's torque behind its demand. UNECE R13, annex 6, gives air brakes 0.6 s to
+  /// three quarters, 1.4 lags; this is an estimate of what new ones take.
+  double brake_lag_s = 0.2;
   TyrePressureParameters tyre_pressure;
   ChassisContactParameters chassis;
   SolidBodyParameters solid;  ///< Against obstacles, as the wheels are.

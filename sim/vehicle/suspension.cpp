@@ -186,6 +186,30 @@ void AxleSuspension::update_independent(const Vector2d& s, const Vector2d& s_rat
   }
 }
 
+WheelFrame AxleSuspension::carrier() const {
+  WheelFrame part;
+  part.axis.setZero();
+  if (beam_) {
+    const UnsprungMass& beam = masses_[0];
+    part.hub_m = beam.position_m;
+    part.velocity_by_s = beam.velocity_by_s;
+    part.rate_by_s = beam.rate_by_s;
+    part.rate = beam.rate;
+    part.bias_mps2 = beam.bias_mps2;
+    part.bias_radps2 = beam.bias_radps2;
+    part.up = beam.R_BA.col(2);
+    return part;
+  }
+  const WheelFrame& left = wheels_[0];
+  const WheelFrame& right = wheels_[1];
+  part.hub_m = 0.5 * (left.hub_m + right.hub_m);
+  part.velocity_by_s = {0.5 * left.velocity_by_s[0], 0.5 * right.velocity_by_s[1]};
+  part.rate_by_s = {Vector3d::Zero(), Vector3d::Zero()};
+  part.rate = left.rate;
+  part.bias_mps2 = 0.5 * (left.bias_mps2 + right.bias_mps2);
+  return part;
+}
+
 SuspensionForce AxleSuspension::force(const Vector2d& s, const Vector2d& s_rate) const {
   SuspensionForce result;
   if (beam_) {

@@ -73,6 +73,13 @@ class AxleSuspension {
     return masses_[static_cast<std::size_t>(i)];
   }
   [[nodiscard]] const WheelFrame& wheel(std::size_t side) const { return wheels_[side]; }
+  /// The axle's own link as a part that carries no wheel: hub_m is its origin, its axis of spin 0.
+  /// Of independent wheels the middle between them, which does not turn against the body.
+  [[nodiscard]] WheelFrame carrier() const;
+  /// Its axes in B.
+  [[nodiscard]] Eigen::Matrix3d R_BA() const {
+    return beam_ ? masses_[0].R_BA : Eigen::Matrix3d::Identity();
+  }
 
  private:
   void update_beam(const Eigen::Vector2d& s, const Eigen::Vector2d& s_rate,

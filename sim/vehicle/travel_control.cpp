@@ -22,7 +22,12 @@ constexpr double kMissing_mps = 0.1;    // this far from the ramp for kLimited_s
 constexpr double kLimited_s = 1.0;
 constexpr double kClimbs_mps = 0.3;   // missing this much, a lower gear is tried
 constexpr double kGains_mps2 = 0.05;  // getting faster by less than this is not getting faster
-constexpr double kFast = 0.98;        // of the engine's greatest speed
+constexpr double kHeldBack = 0.5;     // of the ramp is missing: held back, after ...
+constexpr double kHeldBack_s = 1.0;
+constexpr double kPush_ps = 0.15;  // of the weight that the push grows by in a second, ...
+constexpr double kMostPush = 1.0;  // ... and may be
+constexpr double kLetsGo_s = 0.2;  // lag of letting go of it
+constexpr double kFast = 0.98;     // of the engine's greatest speed
 constexpr double kAcceleration_s = 0.5;
 constexpr double kShift_s = 0.8;  // a shift's pause ...
 constexpr double kLoss = 0.3;     // ... may take this share of the speed
@@ -78,6 +83,16 @@ int TravelControl::choose_gear(const Driveline& driveline, const DriveState& sta
   return higher && loses ? state.gear : gear;
 }
 
+void TravelControl::push(double h, bool held_back, double missing_mps) {
+  held_back_s_ = held_back ? held_back_s_ + h : 0.0;
+  const double weight_n = machine_.mass_kg * machine_.gravity_mps2;
+  if (held_back_s_ >= kHeldBack_s) {
+    push_n_ = std::min(push_n_ + h * kPush_ps * weight_n, kMostPush * weight_n);
+  } else if (missing_mps <= 0.0) {
+    push_n_ -= push_n_ * h / (h + kLetsGo_s);
+  }
+}
+
 void TravelControl::judge(double h, const DriveState& state, bool all, bool all_brake,
                           double missing_mps) {
   const bool power = all && missing_mps > kMissing_mps;
@@ -116,6 +131,8 @@ void TravelControl::step(double h, const Driveline& driveline, double slope,
     slope_ = slope;
     reference_mps_ = speed_mps;
     integral_n_ = 0.0;
+    push_n_ = 0.0;
+    held_back_s_ = 0.0;
     brake_share_ = command.brake_share;
     limited_s_ = 0.0;
   } else {
@@ -158,7 +175,8 @@ void TravelControl::step(double h, const Driveline& driveline, double slope,
   const double drive_n = way * state.torque_nm / radius_m;
   const double pull_n = way * weight_n * slope_;  // the slope's, that has to be overcome
   const double mass_kg = machine_.mass_kg + state.inertia_kgm2 / (radius_m * radius_m);
-  const double force_n = way * (mass_kg * (ramp + p.gain_per_s * error_mps) + integral_n_) + pull_n;
+  const double force_n =
+      way * (mass_kg * (ramp + p.gain_per_s * error_mps) + integral_n_) + push_n_ + pull_n;
 
   double share = 0.0;
   if (fits && (!holding_ || brake_share_ < kHeld)) {
@@ -198,6 +216,12 @@ void TravelControl::step(double h, const Driveline& driveline, double slope,
   const bool all = fits && share >= command.engine_torque_limit_share;
   const bool all_brake = brake_share_ >= 1.0 && !holding_;
   const double missing_mps = way * error_mps;
+  if (holding_ || turns_back || foreign_share > 0.0) {
+    push_n_ = 0.0;
+  }
+  const bool slow =
+      missing_mps > kHeldBack * std::abs(reference_mps_) && acceleration_mps2_ < kGains_mps2;
+  push(h, slow && fits && !all && target_mps != 0.0 && foreign_share == 0.0, missing_mps);
   if (holding_) {
     integral_n_ = 0.0;
   } else if (fits && foreign_share == 0.0 && !(all && missing_mps > 0.0) &&

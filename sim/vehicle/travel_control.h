@@ -2,13 +2,15 @@
 // stands behind "machine selected speed command" where no hydrostatic drive does.
 //
 // The set point passes a ramp. A force is asked for,
-//     F = (m + J / r^2) (ramp's slope + gain (v_ref - v)) + integral + pull of the slope,
+//     F = (m + J / r^2) (ramp's slope + gain (v_ref - v)) + integral + push + pull of the slope,
 // v by the driven wheels' rate. What of it drives is asked of the engine as torque through the
 // ratio that is engaged; what brakes beyond the engine's drag is left to the service brake, and so
 // is everything while gears change or no gear fits. The slope is what an inclination sensor of the
 // frame reads, behind a lag. At rest with set point 0 the brake is applied and stays: there is no
-// rolling on a slope. Starting on one, the brake opens as far as the clutch carries. For the other
-// direction the machine is brought to rest first, then shifts.
+// rolling on a slope. Starting on one, the brake opens as far as the clutch carries. A machine that
+// something holds back, a kerb or a rut, is pushed harder and harder, up to what the engine gives;
+// the push stays until the speed is reached and is let go of then, as a driver's foot would. For
+// the other direction the machine is brought to rest first, then shifts.
 //
 // Somebody else's brake demand wins over the engine and does not wind the integral up. Without
 // limit of what the ground carries: a wheel that spins is held at its own speed.
@@ -53,6 +55,8 @@ class TravelControl {
  private:
   [[nodiscard]] int choose_gear(const Driveline& driveline, const DriveState& state,
                                 const VehicleCommand& command, double target_mps);
+  /// The push of a machine that is `held_back`, missing so much of its speed.
+  void push(double h, bool held_back, double missing_mps);
   /// Whether what is missing is missing for good; and if so tries another gear: a lower one while
   /// the machine gets no faster, a higher one again where the engine turns as fast as it may.
   void judge(double h, const DriveState& state, bool all, bool all_brake, double missing_mps);
@@ -64,6 +68,8 @@ class TravelControl {
   double slope_ = 0.0;
   double reference_mps_ = 0.0;
   double integral_n_ = 0.0;
+  double push_n_ = 0.0;  ///< Against what holds it back, in the direction of the gear.
+  double held_back_s_ = 0.0;
   double brake_share_ = 0.0;
   double set_point_mps_ = 0.0;
   double last_mps_ = 0.0;

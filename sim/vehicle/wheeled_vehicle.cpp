@@ -131,6 +131,10 @@ void WheeledVehicle::step_implements(double h) {
 
 void WheeledVehicle::step_actuators(double h) {
   step_travel(h);
+  // First-order lag, exact over h.
+  const double lag_s = parameters_.brake_lag_s;
+  const double missing = drive_.brake_share - brake_share_;
+  brake_share_ += lag_s > 0.0 ? -missing * std::expm1(-h / lag_s) : missing;
   step_implements(h);
   steering_[0].step(h);
   steering_[1].step(h);
@@ -165,8 +169,8 @@ void WheeledVehicle::update_steering() {
 double WheeledVehicle::brake_limit_nm(std::size_t wheel) const {
   const VehicleAxleParameters& a = axle(wheel / 2);
   // Half of its axle's torque each: service brake by its share, and the parking brake.
-  return 0.5 * (drive_.brake_share * a.brake_torque_nm +
-                (command_.parking_brake ? a.parking_brake_nm : 0.0));
+  return 0.5 *
+         (brake_share_ * a.brake_torque_nm + (command_.parking_brake ? a.parking_brake_nm : 0.0));
 }
 
 void WheeledVehicle::command(const VehicleCommand& command) {

@@ -103,6 +103,9 @@ class WheeledVehicle : public Machine, public VehiclePort, public PowerUnitDefec
   [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const final;
   void fail(const PowerUnitDefects& defects) final { driveline_->fail(defects); }
   [[nodiscard]] EngineData engine_data() const final { return driveline_->engine_data(); }
+  [[nodiscard]] bool steers_rear() const final {
+    return parameters_.rear.steering.angle_max_rad > 0.0;
+  }
 
   /// Along the body's x, all wheels rolling; for tests and for rigs that begin on the move.
   virtual void start_rolling(double speed_mps) = 0;
@@ -156,6 +159,7 @@ class WheeledVehicle : public Machine, public VehiclePort, public PowerUnitDefec
   void update_dust();
 
   TravelControl travel_;
+  double brake_share_ = 0.0;  ///< Of the service brake's torque, built up so far.
   std::array<double, kImplementEnds> hitch_share_{};  ///< 0 down .. 1 up.
   std::array<double, kImplementEnds> shaft_share_{};  ///< Of the speed that the engine gives it.
   double road_dust_kgpm_;

@@ -16,6 +16,7 @@ constexpr std::array<std::string_view, 2> kActuators{"swing", "boom"};
 /// Keeps what it is told.
 class Puppet final : public sim::Machine, public sim::ValvePort, public sim::VehiclePort {
  public:
+  explicit Puppet(bool steers_rear = false) : steers_rear_(steers_rear) {}
   void step(Duration) override {}
   [[nodiscard]] SimTime time() const override { return kStart; }
   [[nodiscard]] std::span<const sim::LinkMotion> links() const override { return {}; }
@@ -40,12 +41,14 @@ class Puppet final : public sim::Machine, public sim::ValvePort, public sim::Veh
   }
   [[nodiscard]] VehicleSample vehicle_sample(SimTime) const override { return {}; }
   [[nodiscard]] EngineData engine_data() const override { return {}; }
+  [[nodiscard]] bool steers_rear() const override { return steers_rear_; }
 
   ValveCommand valves;
   VehicleCommand vehicle;
   int vehicle_commands = 0;
 
  private:
+  bool steers_rear_;
   std::optional<sim::NonFinite> none_;
 };
 
@@ -111,6 +114,21 @@ TEST_F(HandTest, TheClientsFloatingSectionIsNotLost) {
   order("boom", {});
   slice();
   EXPECT_TRUE(machine_.valves.floating[1]);
+}
+
+// Finding: a hand could not steer the roller's rear drum.
+TEST_F(HandTest, TheRearIsSteeredWhereItSteers) {
+  EXPECT_EQ(hand_.settings().find("rear_steer"), nullptr);
+  Puppet roller(true);
+  Hand hand(roller);
+  const HandSettings::Row* row = hand.settings().find("rear_steer");
+  ASSERT_NE(row, nullptr);
+  Shelves requests;
+  requests.of<Hand::Order>(0).push_back({*row, -0.3});
+  hand.lift();
+  hand.lay(kStart, requests);
+  EXPECT_EQ(roller.vehicle.rear_steer_rad, -0.3);
+  EXPECT_EQ(roller.vehicle.front_steer_rad, 0.0) << "the client's";
 }
 
 TEST_F(HandTest, AVehiclesDriverAndItsControllerShareTheMachine) {

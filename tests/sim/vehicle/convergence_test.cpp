@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/extrapolated_step.h"
-#include "bench/gator.h"
+#include "bench/machine_files.h"
 #include "vehicle_rig.h"
 
 namespace rigwire::sim::test {

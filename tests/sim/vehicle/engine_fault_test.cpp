@@ -5,7 +5,7 @@
 #include <string>
 #include <tuple>
 
-#include "bench/gator.h"
+#include "bench/machine_files.h"
 #include "sim/driveline/driveline.h"
 #include "vehicle_rig.h"
 

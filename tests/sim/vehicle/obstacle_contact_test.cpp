@@ -8,6 +8,7 @@
 
 #include "../contact/free_body.h"
 #include "allocation_counter.h"
+#include "bench/machine_files.h"
 #include "sim/driveline/parameters.h"
 #include "sim/random.h"
 #include "vehicle_rig.h"
@@ -45,9 +46,8 @@ Ground bank(double rise_m) {
 
 struct Drive {
   explicit Drive(Ground with, VehicleLevel level, double speed_mps, bool engine = false,
-                 const VehiclePlace& place = {})
+                 const VehiclePlace& place = {}, WheeledVehicleParameters parameters = {})
       : ground(std::move(with)) {
-    WheeledVehicleParameters parameters;
     parameters.level = level;
     std::unique_ptr<Driveline> driveline;
     if (engine) {
@@ -261,6 +261,88 @@ TEST_P(EveryLevel, StraightDrivesThroughAForestEnterNoTrunk) {
     }
   }
   EXPECT_GT(stopped, 4);
+}
+
+// Between half a wheel's radius, up to which the ground's follower looked, and the axle, from which
+// on the contact did, blocks, fallen trunks and rocks were driven through.
+TEST_P(EveryLevel, WhatIsNotRolledOverStopsIt) {
+  if (GetParam() == VehicleLevel::full) {
+    return;  // It lifts its wheels by forces.
+  }
+  constexpr double kFrom_m = 10.0;
+  constexpr double kLong_m = 10.0;
+  const WheeledVehicleParameters gator = bench::gator_855d().vehicle;
+  for (const WheeledVehicleParameters& vehicle : {WheeledVehicleParameters(), gator}) {
+    const double half_radius_m = 0.5 * vehicle.front.tyre.unloaded_radius_m;
+    for (const ObstacleShape shape :
+         {ObstacleShape::box, ObstacleShape::cylinder, ObstacleShape::sphere}) {
+      for (double height_m = 0.05; height_m < 1.21; height_m += 0.05) {
+        Obstacle obstacle =
+            box_obstacle({kFrom_m + 0.5 * kLong_m, 0.0, 0.0}, {0.5 * kLong_m, 10.0, height_m});
+        double end_m = kFrom_m + kLong_m;
+        double aside_m = 0.0;
+        if (shape == ObstacleShape::cylinder) {  // A trunk that lies across, half in the ground.
+          obstacle = trunk_at(0.0, 0.0, height_m, 20.0);
+          obstacle.X_WO.linear() =
+              Eigen::AngleAxisd(-0.5 * std::numbers::pi, Vector::UnitX()).matrix();
+          obstacle.X_WO.translation() << kFrom_m + height_m, 0.0, 0.0;
+          end_m = kFrom_m + 2.0 * height_m;
+        } else if (shape == ObstacleShape::sphere) {  // A rock in the way of the left wheels.
+          aside_m = 0.5 * vehicle.front.track_m;
+          obstacle = rock_at({kFrom_m + height_m, aside_m, 0.0}, height_m);
+          end_m = kFrom_m + 2.0 * height_m;
+        }
+        Drive run(firm_with({obstacle}), GetParam(), 4.0, false, {}, vehicle);
+        double lowest_m = 1e9;
+        for (int i = 0; i < 800; ++i) {
+          run.run(10e-3);
+          // A wheel's hub over the middle of the obstacle.
+          for (std::size_t wheel = 3; wheel < 7; ++wheel) {
+            const Vector hub_W = run.machine->links()[wheel].X_WL.translation();
+            const bool aside = shape == ObstacleShape::sphere && wheel % 2 == 0;
+            if (!aside && std::abs(hub_W.x() - 0.5 * (kFrom_m + end_m)) < 0.1) {
+              lowest_m = std::min(lowest_m, hub_W.z());
+            }
+          }
+        }
+        const std::string what =
+            std::to_string(static_cast<int>(shape)) + ", " + std::to_string(height_m) + " m";
+        const bool passed = run.x_m() > end_m + 0.5;
+        ASSERT_FALSE(run.machine->non_finite()) << what;
+        EXPECT_GT(lowest_m, vehicle.front.tyre.unloaded_radius_m + 0.3 * height_m - 0.1) << what;
+        EXPECT_EQ(passed, height_m <= half_radius_m) << what;
+        if (passed) {
+          EXPECT_LT(run.deepest_m, 1e-9) << what;
+        } else {
+          // A ball that is little higher lifts a front tyre that is pressed far in, and stops the
+          // rear.
+          if (shape != ObstacleShape::sphere || height_m > half_radius_m + 0.04) {
+            EXPECT_LT(run.farthest_m, kFrom_m - vehicle.front.position_x_m + 0.1) << what;
+          }
+          EXPECT_GT(run.machine->contact_report()->touches, 0U) << what;
+        }
+      }
+    }
+  }
+}
+
+// There was nothing between the wheels but the frame, 0.64 m above the ground; the maker has 0.48
+// m.
+TEST_P(EveryLevel, ItsAxlesPassOverWhatIsLowerThanTheGroundClearance) {
+  for (const double height_m : {0.40, 0.46, 0.52, 0.62}) {
+    // Between the wheels, 1.545 m apart.
+    Drive run(firm_with({box_obstacle({8.0, 0.0, 0.0}, {0.3, 0.5, height_m})}), GetParam(), 1.5);
+    run.run(8.0);
+    ASSERT_FALSE(run.machine->non_finite()) << height_m;
+    const bool passes = height_m < 0.48;
+    EXPECT_EQ(run.x_m() > 8.3, passes) << height_m;
+    EXPECT_EQ(run.machine->contact_report()->touches > 0, !passes) << height_m;
+    if (!passes) {
+      EXPECT_LT(run.farthest_m, 7.7 - 3.85 - 0.175 + 0.02) << height_m;
+      EXPECT_LT(run.deepest_m, 0.02) << height_m;
+      EXPECT_LT(run.gain_j, 1.0) << height_m;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Levels, EveryLevel,

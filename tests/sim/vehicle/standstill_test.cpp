@@ -1,7 +1,7 @@
 // Standing still on slopes for ever, and stopping: dynamics cases 8, 10, 26, 31.
 #include <gtest/gtest.h>
 
-#include "bench/gator.h"
+#include "bench/machine_files.h"
 #include "number_word.h"
 #include "vehicle_rig.h"
 
@@ -78,6 +78,7 @@ TEST(VehicleStandstill, BrakedFromTenMetresPerSecondStopsAndStays) {
   // Brakes that lock every wheel: v^2 / (2 mu g).
   WheeledVehicleParameters parameters = nearly_rigid({});
   parameters.air_drag_ns2pm2 = 0.0;
+  parameters.brake_lag_s = 0.0;
   parameters.front.brake_torque_nm = 2e5;
   parameters.rear.brake_torque_nm = 2e5;
   BareVehicle rig(slope(0.0), parameters);

@@ -27,8 +27,9 @@ constexpr std::array<fields::Choice<ExcavatorLevel>, 4> kExcavatorLevels{
      {ExcavatorLevel::chambers, "chambers", "Two pressures per cylinder as states."}}};
 
 constexpr std::array<fields::Choice<ExcavatorCarrier>, 2> kExcavatorCarriers{
-    {{ExcavatorCarrier::fixed, "fixed", "The undercarriage stands still."},
-     {ExcavatorCarrier::moving, "moving", "It stands on its running gear: rocks, slides, tips."}}};
+    {{ExcavatorCarrier::fixed, "fixed", "The undercarriage does not move."},
+     {ExcavatorCarrier::moving, "moving",
+      "It rests on its running gear: it rocks, slides, tips."}}};
 
 constexpr std::array<fields::Choice<RunningGear>, 2> kRunningGears{
     {{RunningGear::tyres, "tyres", "Four wheels, their brakes locked."},
@@ -36,7 +37,7 @@ constexpr std::array<fields::Choice<RunningGear>, 2> kRunningGears{
 
 constexpr std::array<fields::Choice<ExcavatorPumps>, 2> kExcavatorPumps{
     {{ExcavatorPumps::constant, "constant", "They turn as fast as ever, whatever they take."},
-     {ExcavatorPumps::engine, "engine", "An engine drives them and gives way under load."}}};
+     {ExcavatorPumps::engine, "engine", "An engine drives them and slows down under load."}}};
 
 /// Of figures that are computed and only shown.
 std::string text(double value) {
@@ -186,19 +187,20 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
   v.only_if(p.carrier == ExcavatorCarrier::moving, "carrier", "carrier: moving",
             [&p](fields::Visitor& w) {
               w.choice("running_gear", p.running_gear, kRunningGears,
-                       "What a moving carrier stands on.");
+                       "Running gear of a moving carrier.");
               w.only_if(p.running_gear == RunningGear::tracks, "running_gear",
                         "running_gear: tracks", [&p](fields::Visitor& x) {
                           x.section("tracks", p.tracks, "Both tracks and their travel motors.");
                         });
               w.list("supports", p.supports, "Blade and outriggers, each with a valve section.");
             });
-  v.section("wheels", p.wheels, "What a moving carrier stands on, its brakes locked.");
+  v.section("wheels", p.wheels, "Running gear of a moving carrier, its brakes locked.");
   v.number("step", p.step_s, in("ms").between(0.001, 50), "Longest inner step of the arm.");
   v.number("gravity", p.gravity_mps2, in("m/s2").between(0, 1000),
            "Acceleration of gravity, downwards.");
   v.section("initial", p.initial, "Joint angles at the start.");
-  v.section("solid", p.solid, "What of the machine meets trunks, rocks, walls and trucks.");
+  v.section("solid", p.solid,
+            "Parts of the machine that collide with trunks, rocks, walls and trucks.");
   v.boolean("strikes_itself", p.strikes_itself,
             "Whether the boxes of links that are no neighbours meet each other.");
 }

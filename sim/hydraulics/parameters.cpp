@@ -28,6 +28,8 @@ void visit(fields::Visitor& v, SpoolParameters& p) {
            "Share of the spool's travel without flow.");
   v.number("flow_max", p.flow_max_m3ps, in("l/min").between(0.001, 1e6),
            "Flow at full travel of the spool.");
+  v.number("back_share", p.back_share, plain().between(0.01, 10),
+           "Share of flow_max at full travel the other way: retracting, turning right.");
 }
 
 void visit(fields::Visitor& v, SupplyParameters& p) {

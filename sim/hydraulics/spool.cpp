@@ -41,7 +41,9 @@ double Spool::flow_request_m3ps() const {
   if (open <= 0.0) {
     return 0.0;
   }
-  return std::copysign(parameters_.flow_max_m3ps * open / (1.0 - parameters_.dead_band), position_);
+  const double share = position_ < 0.0 ? parameters_.back_share : 1.0;
+  return std::copysign(share * parameters_.flow_max_m3ps * open / (1.0 - parameters_.dead_band),
+                       position_);
 }
 
 }  // namespace rigwire::sim

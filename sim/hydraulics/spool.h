@@ -17,8 +17,8 @@ class Spool {
 
   [[nodiscard]] double position() const { return position_; }
 
-  /// Signed, m3/s: zero inside the dead band, from there proportional up to flow_max at full travel
-  /// whatever the load (pressure compensation).
+  /// Signed, m3/s: zero inside the dead band, from there proportional up to flow_max at full
+  /// travel, back_share of it the other way, whatever the load (pressure compensation).
   [[nodiscard]] double flow_request_m3ps() const;
 
  private:

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
 #include <utility>
 
 #include "fields/constants.h"
@@ -270,24 +273,60 @@ PictureCost measure_picture(const CameraCase& scene, int width_px, int samples, 
   return cost;
 }
 
+std::vector<SamplingWay> sampling_ways() {
+  const sim::CameraParameters usual;
+  const double mtf = usual.lens.mtf;
+  return {{"middle alone", 1, 0.0, 1.0},
+          {"and blur", 1, 0.0, mtf},
+          {"and edges (default)", 1, usual.edge_ratio, mtf},
+          {"4 samples", 4, 0.0, mtf},
+          {"16 samples", 16, 0.0, mtf}};
+}
+
 std::vector<SamplingError> measure_sampling(const CameraCase& scene, int width_px,
-                                            const std::vector<int>& samples,
-                                            int reference_samples) {
-  const auto render = [&](int count) {
-    sim::CameraRenderer camera(bench_camera(width_px, count), kCameraSeed, "bench");
-    sim::PictureJob job = scene.job(camera.parameters());
-    job.read_out.frame = count == reference_samples ? 1 : 0;
+                                            const std::vector<SamplingWay>& ways,
+                                            int reference_samples, int rounds) {
+  struct Picture {
+    std::unique_ptr<sim::CameraRenderer> camera;
+    sim::PictureJob job;
     sim::RenderedPicture picture;
-    camera.render(scene.scene(), job, picture);
-    return picture;
+    double least_s = std::numeric_limits<double>::infinity();
+    void render(const sim::Scene& in) {
+      least_s = std::min(least_s, timed([&] { camera->render(in, job, picture); }));
+    }
   };
-  const sim::RenderedPicture reference = render(reference_samples);
-  const double scale = level_scale(reference);
-  const std::vector<double> true_levels = levels(reference, scale);
+  const auto prepared = [&](const SamplingWay& way, std::uint64_t frame) {
+    sim::CameraParameters parameters = bench_camera(width_px, way.samples);
+    parameters.edge_ratio = way.edge_ratio;
+    parameters.lens.mtf = way.mtf;
+    Picture result{std::make_unique<sim::CameraRenderer>(parameters, kCameraSeed, "bench"),
+                   scene.job(parameters),
+                   {}};
+    result.job.read_out.frame = frame;
+    return result;
+  };
+  std::vector<Picture> pictures;
+  for (const SamplingWay& way : ways) {
+    pictures.push_back(prepared(way, 0));
+  }
+  for (int round = 0; round < rounds; ++round) {
+    for (Picture& picture : pictures) {
+      picture.render(scene.scene());
+    }
+  }
   std::vector<SamplingError> errors;
-  for (const int count : samples) {
-    errors.push_back(
-        {scene.name(), count, difference(levels(render(count), scale), true_levels).rms});
+  std::map<double, sim::RenderedPicture> references;  // by the lens's transfer
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    sim::RenderedPicture& reference = references[ways[i].mtf];
+    if (reference.luminance.empty()) {
+      Picture many = prepared({"", reference_samples, 0.0, ways[i].mtf}, 1);
+      many.render(scene.scene());
+      reference = std::move(many.picture);
+    }
+    const double scale = level_scale(reference);
+    errors.push_back({scene.name(), ways[i].name,
+                      difference(levels(pictures[i].picture, scale), levels(reference, scale)).rms,
+                      pictures[i].least_s / pictures.front().least_s});
   }
   return errors;
 }
@@ -392,7 +431,9 @@ std::vector<TextureCost> measure_textures(int width_px, int rounds, int referenc
       costs.push_back(
           {view.name, surfaces[i].name,
            1e9 * least_s[i] / static_cast<double>(picture.numbers.size()), least_s[i] / least_s[0],
-           measure_sampling(cases[i], width_px, {1}, reference_samples).front().rms_levels});
+           measure_sampling(cases[i], width_px, {sampling_ways()[2]}, reference_samples, 1)
+               .front()
+               .rms_levels});
     }
   }
   return costs;

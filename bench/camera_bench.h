@@ -70,17 +70,29 @@ struct PictureCost {
 [[nodiscard]] PictureCost measure_picture(const CameraCase& scene, int width_px, int samples,
                                           int rounds);
 
+/// How a pixel averages over its area.
+struct SamplingWay {
+  std::string name;
+  int samples = 1;
+  double edge_ratio = 0.0;
+  double mtf = 1.0;
+};
+/// The first way is a ray through the middle of each pixel and nothing else.
+[[nodiscard]] std::vector<SamplingWay> sampling_ways();
+
 /// Rms difference of the scene's light, in grey levels of 8 bits when the mean is at 100, from a
-/// picture of `reference_samples`.
+/// picture of `reference_samples` behind the same lens; and CPU time, one thread, against that of
+/// the first way, the least of `rounds` in turns.
 struct SamplingError {
   std::string scene;
-  int samples = 1;
+  std::string way;
   double rms_levels = 0.0;
+  double cost = 0.0;
 };
 
 [[nodiscard]] std::vector<SamplingError> measure_sampling(const CameraCase& scene, int width_px,
-                                                          const std::vector<int>& samples,
-                                                          int reference_samples);
+                                                          const std::vector<SamplingWay>& ways,
+                                                          int reference_samples, int rounds);
 
 /// Ways to know how much of the sky is seen, against many rays.
 struct SkyCost {

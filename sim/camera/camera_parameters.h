@@ -17,8 +17,11 @@ struct CameraParameters {
   ImageSensorParameters sensor;
   AutoExposureParameters auto_exposure;
   /// Rays per pixel, spread over its area and over the exposure; 1: through its middle, at the
-  /// middle of the exposure, so that nothing is blurred.
+  /// middle of the exposure, so that nothing is blurred by motion.
   int samples = 1;
+  /// With one ray per pixel: a pixel whose light differs from a neighbour's by more than this
+  /// factor is the mean of four rays in its area instead. 0: no pixel is.
+  double edge_ratio = 4.0;
   /// Rays per sample that look for the sky, in place of the lattice of sky_visibility.h: dearer,
   /// noisy, and right below what moves. 0: the lattice.
   int sky_rays = 0;

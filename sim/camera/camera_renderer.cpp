@@ -10,6 +10,7 @@
 #include <string>
 
 #include "fields/rules.h"
+#include "sim/camera/lens_blur.h"
 #include "sim/camera/pixel_rays.h"
 #include "sim/camera/scene_looks.h"
 #include "sim/camera/shading_lanes.h"
@@ -29,6 +30,14 @@ constexpr int kTileHeight = 16;
 constexpr int kRowsAtOnce = 8;
 constexpr int kMostRaysAcross = 32;
 constexpr std::size_t kSunPoints = 256;
+/// Packets of parts of pixels that are shaded together.
+constexpr std::size_t kPartPackets = 8;
+/// Pixels beside the region of which the blur takes, and whose neighbours say what is an edge.
+constexpr int kBlurMargin = 1;
+constexpr int kEdgeMargin = 1;
+/// What is added to both sides of an edge, as share of the light that fills a pixel: two levels of
+/// 255 are no edge.
+constexpr double kDarkShare = 0.01;
 /// Where a path through fog or rain ends for rays that meet nothing.
 constexpr double kFarthestAir_m = 5000.0;
 constexpr double kAirHeight_m = 1500.0;
@@ -255,16 +264,27 @@ struct CameraRenderer::Internals {
     std::array<LaneArray, 3> luminance;
     std::array<LaneArray, 3> sum;  ///< Over the samples.
   };
+  /// Mean of the parts of a pixel.
+  struct PartsLight {
+    std::size_t pixel = 0;  ///< Of all that are rendered.
+    std::array<float, 3> luminance{};
+  };
   /// What all packets of a picture have in common.
   struct Frame {
     const Scene::Internals* in = nullptr;
     const PictureJob* job = nullptr;
+    /// What is rendered: the job's region, and what the blur takes from beside it.
+    ReadOut read_out;
     int width = 0;
     int height = 0;
+    int left = 0;  ///< Columns that are rendered before the region's first.
+    int top = 0;   ///< Rows.
     std::uint64_t key = 0;
     PictureLimits limits;
     LightTerms light;
     RenderedPicture* picture = nullptr;
+    float* luminance = nullptr;  ///< Of all that is rendered.
+    float full_cd = 0.0F;        ///< Luminance on the axis that fills the range of numbers.
     RecordedPictureRays::Packets* record = nullptr;
     std::array<float, 3> airlight{};
     std::array<float, 3> dustlight{};
@@ -273,9 +293,20 @@ struct CameraRenderer::Internals {
     std::array<Eigen::Vector3f, kSunPoints> on_sun;
   };
 
-  void prepare(const Scene& scene, const PictureJob& job, const PixelSamples& samples);
+  /// `margin`: pixels that are rendered beside the region, where the sensor has them.
+  void prepare(const Scene& scene, const PictureJob& job, const PixelSamples& samples,
+               int margin = 0);
+  void prepare_region(const PictureJob& job, int margin);
   void prepare_rows(const Scene::Internals& in, const PictureJob& job, const PixelSamples& samples);
+  void blur(int first_row, int end_row) const;
   void render_strip(std::span<Packet> packets) const;
+  void shade(std::span<Packet> packets) const;
+  void find_edges(int row, std::vector<PixelPlace>& edges) const;
+  void render_parts(int first_row, int end_row, std::vector<PartsLight>& found) const;
+  void refine_edges();
+  [[nodiscard]] bool has_parts() const {
+    return parameters.samples == 1 && parameters.edge_ratio > 0.0;
+  }
   void aim_shadow(Packet& packet) const;
   void light(Packet& packet) const;
   void see_sky(Packet& packet) const;
@@ -309,6 +340,8 @@ struct CameraRenderer::Internals {
   SceneLooks looks;
   ShadowCeiling ceiling;
   std::vector<PixelRays::RowPose> row_poses;
+  std::vector<float> sharp;                    ///< Luminance before the blur.
+  std::vector<std::vector<PartsLight>> parts;  ///< By strip of rows.
 };
 
 void CameraRenderer::Internals::prepare_rows(const Scene::Internals& in, const PictureJob& job,
@@ -318,17 +351,39 @@ void CameraRenderer::Internals::prepare_rows(const Scene::Internals& in, const P
   row_poses.resize(together ? 1 : static_cast<std::size_t>(frame.height));
   const Duration half = job.read_out.exposure / 2;
   for (std::size_t row = 0; row < row_poses.size(); ++row) {
+    const auto rows = (static_cast<Duration::rep>(row) - frame.top) * job.read_out.binning_y;
+    // Rows beside the region may be exposed where no pose is known any more.
     const SimTime middle =
-        job.exposure_start + half +
-        parameters.sensor.row_time * (static_cast<Duration::rep>(row) * job.read_out.binning_y);
+        std::clamp(job.exposure_start + half + parameters.sensor.row_time * rows,
+                   std::max(job.poses.front().time, in.t0), std::min(job.poses.back().time, in.t1));
     row_poses[row] = {mount_at(job.poses, middle), in.slice_fraction(middle)};
   }
-  pixels.prepare(job.read_out, samples, row_poses, in.origin_W, 1.0 / to_seconds(in.t1 - in.t0),
+  pixels.prepare(frame.read_out, samples, row_poses, in.origin_W, 1.0 / to_seconds(in.t1 - in.t0),
                  frame.limits, frame.key);
 }
 
+void CameraRenderer::Internals::prepare_region(const PictureJob& job, int margin) {
+  const ReadOut& r = job.read_out;
+  frame.read_out = r;
+  PixelRectangle& grown = frame.read_out.region;
+  const auto beside = [margin](int columns, int binning) {
+    return std::min(margin, columns / binning);
+  };
+  frame.left = beside(r.region.x, r.binning_x);
+  frame.top = beside(r.region.y, r.binning_y);
+  const int right = beside(parameters.sensor.width_px - r.region.x - r.region.width, r.binning_x);
+  const int bottom =
+      beside(parameters.sensor.height_px - r.region.y - r.region.height, r.binning_y);
+  grown.x -= frame.left * r.binning_x;
+  grown.y -= frame.top * r.binning_y;
+  grown.width += (frame.left + right) * r.binning_x;
+  grown.height += (frame.top + bottom) * r.binning_y;
+  frame.width = grown.width / r.binning_x;
+  frame.height = grown.height / r.binning_y;
+}
+
 void CameraRenderer::Internals::prepare(const Scene& scene, const PictureJob& job,
-                                        const PixelSamples& samples) {
+                                        const PixelSamples& samples, int margin) {
   validate(job.read_out, parameters.sensor);
   require(job.light != nullptr, "there is no light");
   require(job.wetness >= 0.0 && job.wetness <= 1.0,
@@ -349,8 +404,8 @@ void CameraRenderer::Internals::prepare(const Scene& scene, const PictureJob& jo
   frame = {};
   frame.in = &in;
   frame.job = &job;
-  frame.width = job.read_out.region.width / job.read_out.binning_x;
-  frame.height = job.read_out.region.height / job.read_out.binning_y;
+  prepare_region(job, margin);
+  frame.full_cd = static_cast<float>(sensor.full_luminance_cd(job.read_out));
   frame.key = counter_bits(key, job.read_out.frame);
   const Eigen::Vector3f& total = job.light->total_lx();
   const auto around = static_cast<float>(job.light->parameters().ground_albedo);
@@ -554,7 +609,14 @@ void CameraRenderer::Internals::tell_truth(Packet& packet) const {
     if (packet.pixels.valid[i] == 0) {
       continue;
     }
-    const std::size_t at = pixel_at(packet.pixels, i);
+    const int column = packet.pixels.column + static_cast<int>(i) % kPacketWidth - frame.left;
+    const int row = packet.pixels.row + static_cast<int>(i) / kPacketWidth - frame.top;
+    const int width = frame.picture->width;
+    if (column < 0 || row < 0 || column >= width || row >= frame.picture->height) {
+      continue;
+    }
+    const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                    static_cast<std::size_t>(column);
     const bool met = packet.pixels.active[i] != 0 && number[i] != RTC_INVALID_GEOMETRY_ID;
     const float range_m = rays.ray.tfar[i];
     frame.picture->range_m[at] = met ? range_m : 0.0F;
@@ -618,46 +680,143 @@ void CameraRenderer::Internals::collect_rays(Packet& packet, PictureRays& found)
 
 /// Packets beside each other are taken through each step together: the ray caster and the shading
 /// keep their own parts of the caches for longer.
+void CameraRenderer::Internals::shade(std::span<Packet> packets) const {
+  RTCIntersectContext context = coherent();
+  for (Packet& packet : packets) {
+    PixelPacket& of = packet.pixels;
+    if (frame.record != nullptr) {
+      frame.record->primary.push_back({of.rays, of.active});
+    }
+    frame.in->intersect(of.active.data(), context, of.rays);
+  }
+  for (Packet& packet : packets) {
+    packet.met = looks.texture_hits(packet.pixels.rays, packet.pixels.pixel_rad, frame.light,
+                                    packet.surfaces);
+    aim_shadow(packet);
+  }
+  for (Packet& packet : packets) {
+    if (!packet.in_sun) {
+      continue;
+    }
+    ShadowPacket& shadow = packet.shadow;
+    const bool some = ceiling.doubt(shadow.rays, shadow.active, shadow.doubtful);
+    if (frame.record != nullptr) {
+      frame.record->shadow.push_back(shadow);
+    }
+    if (some) {
+      occlude(*frame.in, shadow.doubtful.data(), shadow.rays);
+    }
+  }
+  for (Packet& packet : packets) {
+    light(packet);
+  }
+}
+
 void CameraRenderer::Internals::render_strip(std::span<Packet> packets) const {
   const float weight = 1.0F / static_cast<float>(parameters.samples);
-  RTCIntersectContext context = coherent();
   for (int sample = 0; sample < parameters.samples; ++sample) {
     for (Packet& packet : packets) {
-      PixelPacket& of = packet.pixels;
-      pixels.aim(sample, of);
-      if (frame.record != nullptr) {
-        frame.record->primary.push_back({of.rays, of.active});
-      }
-      frame.in->intersect(of.active.data(), context, of.rays);
+      pixels.aim(sample, packet.pixels);
     }
+    shade(packets);
     for (Packet& packet : packets) {
-      packet.met = looks.texture_hits(packet.pixels.rays, packet.pixels.pixel_rad, frame.light,
-                                      packet.surfaces);
-      aim_shadow(packet);
-    }
-    for (Packet& packet : packets) {
-      if (!packet.in_sun) {
-        continue;
-      }
-      ShadowPacket& shadow = packet.shadow;
-      const bool some = ceiling.doubt(shadow.rays, shadow.active, shadow.doubtful);
-      if (frame.record != nullptr) {
-        frame.record->shadow.push_back(shadow);
-      }
-      if (some) {
-        occlude(*frame.in, shadow.doubtful.data(), shadow.rays);
-      }
-    }
-    for (Packet& packet : packets) {
-      light(packet);
       add_up(packet.luminance, packet.pixels.active, sample == 0, weight, packet.sum);
     }
   }
   for (Packet& packet : packets) {
     store(packet.sum, packet.pixels.valid, static_cast<std::size_t>(frame.width),
-          frame.picture->luminance.data() + 3 * pixel_at(packet.pixels, 0));
+          frame.luminance + 3 * pixel_at(packet.pixels, 0));
     if (frame.job->truth) {
       tell_truth(packet);
+    }
+  }
+}
+
+/// Pixels of a row whose light is more than edge_ratio times that of one of four neighbours, or
+/// less than its inverse. Light that fills the pixel counts as full.
+void CameraRenderer::Internals::find_edges(int row, std::vector<PixelPlace>& edges) const {
+  const auto width = static_cast<std::size_t>(frame.width);
+  const auto ratio = static_cast<float>(parameters.edge_ratio);
+  const float dark = static_cast<float>(kDarkShare) * 3.0F * frame.full_cd;
+  const auto light_at = [&](std::size_t pixel) {
+    const float* const at = frame.luminance + 3 * pixel;
+    return std::min(at[0] + at[1] + at[2], 3.0F * frame.full_cd) + dark;
+  };
+  const std::size_t first = static_cast<std::size_t>(row) * width;
+  for (std::size_t i = 0; i < width; ++i) {
+    const std::size_t pixel = first + i;
+    const float here = light_at(pixel);
+    const float left = i > 0 ? light_at(pixel - 1) : here;
+    const float right = i + 1 < width ? light_at(pixel + 1) : here;
+    const float above = row > 0 ? light_at(pixel - width) : here;
+    const float below = row + 1 < frame.height ? light_at(pixel + width) : here;
+    const float least = std::min({left, right, above, below});
+    const float most = std::max({left, right, above, below});
+    if (most > ratio * here || here > ratio * least) {
+      edges.push_back({static_cast<int>(i), row});
+    }
+  }
+}
+
+/// Edges of these rows, their parts shaded.
+void CameraRenderer::Internals::render_parts(int first_row, int end_row,
+                                             std::vector<PartsLight>& found) const {
+  const FlushDenormals flush;
+  std::vector<PixelPlace> edges;
+  for (int row = first_row; row < end_row; ++row) {
+    find_edges(row, edges);
+  }
+  std::array<Packet, kPartPackets> packets;
+  for (Packet& packet : packets) {
+    packet.pixels.limit(frame.limits);
+  }
+  found.clear();
+  for (std::size_t begin = 0; begin < edges.size();) {
+    const std::size_t count = std::min(edges.size() - begin, kPartPackets * kPixelsInParts);
+    const std::size_t filled = (count + kPixelsInParts - 1) / kPixelsInParts;
+    for (std::size_t k = 0; k < filled; ++k) {
+      std::array<PixelPlace, kPixelsInParts> places;
+      for (std::size_t i = 0; i < kPixelsInParts; ++i) {
+        places[i] = edges[begin + std::min(k * kPixelsInParts + i, count - 1)];
+      }
+      pixels.aim_parts(places, packets[k].pixels);
+    }
+    shade(std::span(packets).first(filled));
+    for (std::size_t i = 0; i < count; ++i) {
+      const Packet& packet = packets[i / kPixelsInParts];
+      const std::size_t lane = i % kPixelsInParts * kParts;
+      const PixelPlace& place = edges[begin + i];
+      PartsLight& of = found.emplace_back();
+      of.pixel = static_cast<std::size_t>(place.row) * static_cast<std::size_t>(frame.width) +
+                 static_cast<std::size_t>(place.column);
+      for (std::size_t band = 0; band < 3 && packet.pixels.active[lane] != 0; ++band) {
+        for (std::size_t part = 0; part < kParts; ++part) {
+          of.luminance[band] += packet.luminance[band][lane + part] * (1.0F / kParts);
+        }
+      }
+    }
+    begin += count;
+  }
+}
+
+/// Edges are found in what one ray per pixel saw, all of them, before any is changed.
+void CameraRenderer::Internals::refine_edges() {
+  const auto strips = static_cast<std::size_t>((frame.height + kRowsAtOnce - 1) / kRowsAtOnce);
+  parts.resize(strips);
+  const auto render = [this](std::size_t strip) {
+    const int first = static_cast<int>(strip) * kRowsAtOnce;
+    render_parts(first, std::min(first + kRowsAtOnce, frame.height), parts[strip]);
+  };
+  if (frame.record != nullptr) {
+    for (std::size_t strip = 0; strip < strips; ++strip) {
+      render(strip);
+    }
+  } else {
+    pool.run(strips, render);
+  }
+  for (const std::vector<PartsLight>& strip : parts) {
+    for (const PartsLight& of : strip) {
+      std::ranges::copy(of.luminance, frame.luminance + 3 * of.pixel);
     }
   }
 }
@@ -678,17 +837,38 @@ const ImageSensor& CameraRenderer::sensor() const {
   return internals_->sensor;
 }
 
+/// Rows of the picture's luminance, from what was rendered.
+void CameraRenderer::Internals::blur(int first_row, int end_row) const {
+  const float weight = neighbour_weight(parameters.lens.mtf, parameters.samples > 1);
+  std::vector<float> row_sum(3 * static_cast<std::size_t>(frame.width));
+  const std::size_t width = 3 * static_cast<std::size_t>(frame.picture->width);
+  for (int row = first_row; row < end_row; ++row) {
+    blur_row(
+        sharp, {frame.width, frame.height}, frame.left, row + frame.top, weight, row_sum,
+        std::span(frame.picture->luminance).subspan(width * static_cast<std::size_t>(row), width));
+  }
+}
+
 void CameraRenderer::render(const Scene& scene, const PictureJob& job, RenderedPicture& picture) {
   Internals& in = *internals_;
-  in.prepare(scene, job, {in.parameters.samples});
+  const bool blurred = neighbour_weight(in.parameters.lens.mtf, in.parameters.samples > 1) > 0.0F;
+  const int margin = (blurred ? kBlurMargin : 0) + (in.has_parts() ? kEdgeMargin : 0);
+  in.prepare(scene, job, {in.parameters.samples, 0, in.has_parts()}, margin);
   in.frame.picture = &picture;
-  const int width = in.frame.width;
-  const int height = in.frame.height;
+  const int width = job.read_out.region.width / job.read_out.binning_x;
+  const int height = job.read_out.region.height / job.read_out.binning_y;
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   resize(picture, width, height, pixels, job.truth ? pixels : 0);
+  in.sharp.resize(margin > 0 ? 3 * static_cast<std::size_t>(in.frame.width) *
+                                   static_cast<std::size_t>(in.frame.height)
+                             : 0);
+  in.frame.luminance = margin > 0 ? in.sharp.data() : picture.luminance.data();
   in.pool.run(in.tiles(), [&in](std::size_t tile) {
     in.each_strip(tile, [&in](std::span<Internals::Packet> packets) { in.render_strip(packets); });
   });
+  if (in.has_parts()) {
+    in.refine_edges();
+  }
 
   std::array<float, 3> haze{};
   for (int band = 0; band < 3; ++band) {
@@ -698,8 +878,12 @@ void CameraRenderer::render(const Scene& scene, const PictureJob& job, RenderedP
   const auto strips = static_cast<std::size_t>((height + kRowsAtOnce - 1) / kRowsAtOnce);
   in.pool.run(strips, [&](std::size_t strip) {
     const int first = static_cast<int>(strip) * kRowsAtOnce;
-    in.sensor.expose(picture.luminance, in.pixels.falloff(), haze, job.read_out, first,
-                     std::min(first + kRowsAtOnce, height), picture.numbers);
+    const int end = std::min(first + kRowsAtOnce, height);
+    if (margin > 0) {
+      in.blur(first, end);
+    }
+    in.sensor.expose(picture.luminance, in.pixels.falloff(), haze, job.read_out, first, end,
+                     picture.numbers);
   });
   picture.mean = mean_share(picture.numbers, job.read_out);
   in.frame = {};
@@ -751,7 +935,7 @@ void CameraRenderer::cast(const Scene& scene, const PictureJob& job, int rays_ac
 
 RecordedPictureRays CameraRenderer::record(const Scene& scene, const PictureJob& job) {
   Internals& in = *internals_;
-  in.prepare(scene, job, {in.parameters.samples});
+  in.prepare(scene, job, {in.parameters.samples, 0, in.has_parts()});
   RecordedPictureRays recorded;
   RenderedPicture picture;
   picture.luminance.resize(3 * static_cast<std::size_t>(in.frame.width) *
@@ -760,9 +944,13 @@ RecordedPictureRays CameraRenderer::record(const Scene& scene, const PictureJob&
   without_truth.truth = false;
   in.frame.job = &without_truth;
   in.frame.picture = &picture;
+  in.frame.luminance = picture.luminance.data();
   in.frame.record = recorded.packets_.get();
   for (std::size_t tile = 0; tile < in.tiles(); ++tile) {
     in.each_strip(tile, [&in](std::span<Internals::Packet> packets) { in.render_strip(packets); });
+  }
+  if (in.has_parts()) {
+    in.refine_edges();
   }
   in.frame = {};
   recorded.reset();

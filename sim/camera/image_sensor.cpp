@@ -208,6 +208,12 @@ double ImageSensor::electrons(double luminance_cd, Duration exposure) const {
   return electrons_per_cd_s_ * luminance_cd * to_seconds(exposure);
 }
 
+double ImageSensor::full_luminance_cd(const ReadOut& r) const {
+  const double charges = static_cast<double>(r.binning_x) * r.binning_y;
+  return parameters_.saturation_capacity / std::pow(10.0, r.gain_db / 20.0) /
+         (charges * electrons(1.0, r.exposure));
+}
+
 double ImageSensor::numbers_per_electron(double gain_db, int bits) const {
   return ((1 << bits) - 1) / parameters_.saturation_capacity * std::pow(10.0, gain_db / 20.0);
 }

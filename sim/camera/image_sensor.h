@@ -116,6 +116,8 @@ class ImageSensor {
 
   /// Electrons of one pixel on the axis by light of that luminance in its band.
   [[nodiscard]] double electrons(double luminance_cd, Duration exposure) const;
+  /// Luminance on the axis, in each band, that fills the range of numbers.
+  [[nodiscard]] double full_luminance_cd(const ReadOut& read_out) const;
   /// Numbers per electron (EMVA's K).
   [[nodiscard]] double numbers_per_electron(double gain_db, int bits) const;
   [[nodiscard]] const ImageSensorParameters& parameters() const { return parameters_; }

@@ -10,6 +10,7 @@
 
 #include "fields/check.h"
 #include "fields/visitor.h"
+#include "sim/camera/lens_blur.h"
 
 namespace rigwire::sim {
 
@@ -57,9 +58,14 @@ void visit_opening(fields::Visitor& v, LensParameters& p) {
   v.number("f_number", p.f_number, plain().between(0.7, 64), "Focal length over its opening.");
 }
 
+void visit_sharpness(fields::Visitor& v, LensParameters& p) {
+  v.number("mtf", p.mtf, plain().between(kLeastTransfer, 1),
+           "Contrast left at 0.25 cycles per pixel, by lens and pixel; 1: no blur.");
+}
+
 void visit_offset(fields::Visitor& v, LensParameters& p) {
   v.vector2("principal_offset", p.principal_offset_px, plain().between(-10000, 10000),
-            "Where the axis meets the sensor, from its middle, in pixels right and down.");
+            "Principal point, from the sensor's middle, in pixels right and down.");
 }
 
 }  // namespace
@@ -72,6 +78,7 @@ void visit(fields::Visitor& v, LensParameters& p) {
       v.refused(key, "equirectangular pictures have none");
     }
     visit_opening(v, p);
+    visit_sharpness(v, p);
     v.refused("p1", "only brown_conrady has it");
     v.refused("p2", "only brown_conrady has it");
     v.refused("k4", "only kannala_brandt has it");
@@ -102,6 +109,7 @@ void visit_light(fields::Visitor& v, LensParameters& p) {
   visit_opening(v, p);
   v.number("vignetting", p.vignetting, plain().between(0, 1),
            "Fall-off of light to the edge: 1 as cos^4 of the angle, 0 none.");
+  visit_sharpness(v, p);
 }
 
 void validate(const LensParameters& parameters) {

@@ -41,15 +41,18 @@ struct LensParameters {
   double p2 = 0.0;
   double k3 = 0.0;
   double k4 = 0.0;  ///< Of kannala_brandt alone.
-  /// Where the axis meets the sensor, from its middle, in pixels right and down.
+  /// Principal point, from the sensor's middle, in pixels right and down.
   Eigen::Vector2d principal_offset_px = Eigen::Vector2d::Zero();
   /// Farther from the axis than this the picture is black; 0: the lens fills the sensor.
   double image_circle_rad = 0.0;
   /// How much the light falls off to the edge: 1 as cos^4 of the angle from the axis, 0 not at all.
   double vignetting = 1.0;
+  /// Modulation transfer at 0.25 cycles per pixel, of lens and pixel together (lens_blur.h).
+  double mtf = 0.72;
 };
 void visit(fields::Visitor& v, LensParameters& p);
-/// Those of its keys that say how much light comes through, for cameras that know the rest.
+/// Those of its keys that say how much light comes through and how sharp it is, for cameras that
+/// know the rest.
 void visit_light(fields::Visitor& v, LensParameters& p);
 
 /// Throws std::invalid_argument naming the key, the value found and what is allowed.

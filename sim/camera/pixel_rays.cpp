@@ -13,6 +13,10 @@ namespace {
 constexpr std::uint32_t kAcross = 0xC13FA9A9U;
 constexpr std::uint32_t kDown = 0x91E10DA6U;
 
+/// Where the rays through the parts of a pixel go, from its middle, in pixels.
+constexpr std::array<float, kParts> kPartAcross{-0.125F, 0.375F, 0.125F, -0.375F};
+constexpr std::array<float, kParts> kPartDown{-0.375F, -0.125F, 0.375F, 0.125F};
+
 }  // namespace
 
 void PixelPacket::limit(const PictureLimits& limits) {
@@ -95,7 +99,7 @@ void PixelRays::lay_blocks() {
   blocks_across_ = (width_ + kPacketWidth - 1) / kPacketWidth;
   const int blocks_down = (height_ + kPacketHeight - 1) / kPacketHeight;
   blocks_.resize(static_cast<std::size_t>(blocks_across_) * static_cast<std::size_t>(blocks_down));
-  slopes_.resize(samples_.count > 1 ? blocks_.size() : 0);
+  slopes_.resize(samples_.count > 1 || samples_.parts ? blocks_.size() : 0);
   for (std::size_t block = 0; block < blocks_.size(); ++block) {
     const auto across = static_cast<std::size_t>(blocks_across_);
     for (std::size_t i = 0; i < kLanes; ++i) {
@@ -134,7 +138,8 @@ void PixelRays::prepare(const ReadOut& r, const PixelSamples& samples,
                         std::span<const RowPose> poses, const Eigen::Vector3d& origin_W,
                         double slices_per_s, const PictureLimits& limits, std::uint64_t key) {
   const bool stale = blocks_.empty() || !(region_ == r.region) || binning_x_ != r.binning_x ||
-                     binning_y_ != r.binning_y || (samples.count > 1 && slopes_.empty());
+                     binning_y_ != r.binning_y ||
+                     ((samples.count > 1 || samples.parts) && slopes_.empty());
   samples_ = samples;
   region_ = r.region;
   binning_x_ = r.binning_x;
@@ -298,6 +303,48 @@ RIGWIRE_WIDE_VECTORS void PixelRays::aim(int sample, PixelPacket& packet) const 
     const float time = pose.time[i] + dt * slices_per_s_;
     ray.time[i] = time < 0.0F ? 0.0F : (time > 1.0F ? 1.0F : time);
     release(packet.rays, i, far_m);
+  }
+}
+
+void PixelRays::aim_parts(const std::array<PixelPlace, kPixelsInParts>& places,
+                          PixelPacket& packet) const {
+  packet.column = places.front().column;
+  packet.row = places.front().row;
+  packet.sample = 1;
+  RTCRay8& ray = packet.rays.ray;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const PixelPlace& place = places[lane / kParts];
+    const std::size_t part = lane % kParts;
+    const auto in_row = static_cast<std::size_t>(place.row % kPacketHeight);
+    const std::size_t i =
+        in_row * kPacketWidth + static_cast<std::size_t>(place.column % kPacketWidth);
+    const std::size_t at = static_cast<std::size_t>(place.row / kPacketHeight) *
+                               static_cast<std::size_t>(blocks_across_) +
+                           static_cast<std::size_t>(place.column / kPacketWidth);
+    const PixelBlock& block = blocks_[at];
+    const BlockSlopes& slopes = slopes_[at];
+    const PacketPose& pose =
+        poses_[poses_.size() == 1 ? 0 : static_cast<std::size_t>(place.row / kPacketHeight)];
+    const float across = kPartAcross[part];
+    const float down = kPartDown[part];
+    float x = block.x[i] + across * slopes.across[0][i] + down * slopes.down[0][i];
+    float y = block.y[i] + across * slopes.across[1][i] + down * slopes.down[1][i];
+    float z = block.z[i] + across * slopes.across[2][i] + down * slopes.down[2][i];
+    const float size = 1.0F / std::sqrt(x * x + y * y + z * z);
+    x *= size;
+    y *= size;
+    z *= size;
+    ray.dir_x[lane] = pose.R[0][i] * x + pose.R[3][i] * y + pose.R[6][i] * z;
+    ray.dir_y[lane] = pose.R[1][i] * x + pose.R[4][i] * y + pose.R[7][i] * z;
+    ray.dir_z[lane] = pose.R[2][i] * x + pose.R[5][i] * y + pose.R[8][i] * z;
+    ray.org_x[lane] = pose.p[0][i];
+    ray.org_y[lane] = pose.p[1][i];
+    ray.org_z[lane] = pose.p[2][i];
+    ray.time[lane] = pose.time[i];
+    release(packet.rays, lane, limits_.far_m);
+    packet.valid[lane] = -1;
+    packet.active[lane] = block.angle_rad[i] > 0.0F ? -1 : 0;
+    packet.pixel_rad[lane] = 0.5F * block.angle_rad[i];  // between parts
   }
 }
 

@@ -58,8 +58,17 @@ struct PixelPacket {
 
 /// The samples of each pixel.
 struct PixelSamples {
-  int count = 1;    ///< 1: its middle, at the middle of the exposure.
-  int lattice = 0;  ///< They stand in as many rows of as many; 0: they are scattered.
+  int count = 1;       ///< 1: its middle, at the middle of the exposure.
+  int lattice = 0;     ///< They stand in as many rows of as many; 0: they are scattered.
+  bool parts = false;  ///< aim_parts() is called.
+};
+
+/// Rays through parts of one pixel, by aim_parts().
+inline constexpr std::size_t kParts = 4;
+inline constexpr std::size_t kPixelsInParts = kLanes / kParts;
+struct PixelPlace {
+  int column = 0;
+  int row = 0;
 };
 
 class PixelRays {
@@ -89,6 +98,9 @@ class PixelRays {
   void aim(int sample, PixelPacket& packet) const;
   /// Through the middles at the middle of the exposure, however many samples there are.
   void aim_middle(PixelPacket& packet) const;
+  /// Through four parts of each of two pixels, at the middle of the exposure: lane kParts * i + k
+  /// has part k of pixel i. Each part has a row and a column of its own among four in the pixel.
+  void aim_parts(const std::array<PixelPlace, kPixelsInParts>& places, PixelPacket& packet) const;
   /// Cosine of the angle between a ray of the packet and the optical axis.
   [[nodiscard]] float along_axis(const PixelPacket& packet, std::size_t lane) const;
 

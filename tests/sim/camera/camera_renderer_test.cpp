@@ -271,9 +271,13 @@ TEST(CameraRenderer, ShadowPacketsComeBack) {
 TEST(CameraRenderer, RecordsTheRaysThatItCasts) {
   Site site;
   const Daylight light({}, sun_at(35.0, 220.0));
-  const CameraParameters parameters = small_camera();
-  CameraRenderer camera(parameters, 1, "camera");
+  CameraParameters parameters = small_camera();
   const PictureJob job = job_for(parameters, at(0.0, 0.0, 2.0, 0.0, 0.1), light);
+  RecordedPictureRays with_parts = CameraRenderer(parameters, 1, "camera").record(site.scene, job);
+  EXPECT_GT(with_parts.primary_rays(), 160U * 120U);
+  with_parts.cast_bare(site.scene);
+  parameters.edge_ratio = 0.0;
+  CameraRenderer camera(parameters, 1, "camera");
   RecordedPictureRays rays = camera.record(site.scene, job);
   EXPECT_EQ(rays.primary_rays(), 160U * 120U);
   EXPECT_GT(rays.shadow_rays(), 160U * 120U / 4U);

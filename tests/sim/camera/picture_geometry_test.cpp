@@ -104,6 +104,60 @@ TEST(PictureGeometry, SamplesCoverTheirPixels) {
   EXPECT_EQ(pixels, 50);
 }
 
+/// Rms over the pixels beside a slanted edge, of what they have of the sky against their area in it
+/// after the lens.
+double edge_error(const CameraParameters& parameters) {
+  Scene scene;
+  add_wall(scene, 8.0, 1.3);
+  ready(scene);
+  const Daylight light({.cloud_cover = 1.0}, sun_at(50.0, 100.0));
+  const Eigen::Isometry3d X_WS = at(0.0, 0.0, 1.0, 0.0, -0.1, 0.15);
+  CameraParameters exact = small_camera();
+  exact.samples = 256;
+  RenderedPicture truth;
+  CameraRenderer(exact, 1, "exact").render(scene, job_for(exact, X_WS, light), truth);
+  CameraRenderer camera(parameters, 1, "camera");
+  RenderedPicture picture;
+  camera.render(scene, job_for(parameters, X_WS, light), picture);
+  double squares = 0.0;
+  int pixels = 0;
+  for (int row = 5; row < 55; ++row) {
+    const auto edge = column_of_line(camera.lens(), X_WS, 8.0, 1.3, row);
+    const int column = static_cast<int>(std::floor(*edge + 0.5));
+    const double contrast =
+        luminance_at(truth, column - 4, row) - luminance_at(truth, column + 4, row);
+    for (int c = column - 2; c <= column + 2; ++c, ++pixels) {
+      squares +=
+          std::pow((luminance_at(picture, c, row) - luminance_at(truth, c, row)) / contrast, 2);
+    }
+  }
+  return std::sqrt(squares / pixels);
+}
+
+TEST(PictureGeometry, OneRayPerPixelAndFourAtEdgesAverageThePixelsArea) {
+  CameraParameters sharp = small_camera();
+  sharp.lens.mtf = 1.0;
+  sharp.edge_ratio = 0.0;
+  CameraParameters blurred = small_camera();
+  blurred.edge_ratio = 0.0;
+  const double without = edge_error(sharp);
+  const double with_blur = edge_error(blurred);
+  const double with_parts = edge_error(small_camera());
+  EXPECT_GT(without, 0.14);
+  EXPECT_LT(with_blur, 0.6 * without);
+  EXPECT_LT(with_parts, 0.035);
+}
+
+TEST(PictureGeometry, EdgeRatioIsRefusedWhereItHasNoEffect) {
+  CameraParameters parameters = small_camera();
+  for (const double ratio : {0.5, 1.0, -1.0, std::nan("")}) {
+    parameters.edge_ratio = ratio;
+    EXPECT_THROW(validate(parameters), std::invalid_argument) << ratio;
+  }
+  parameters.edge_ratio = 0.0;
+  EXPECT_NO_THROW(validate(parameters));
+}
+
 TEST(PictureGeometry, RangesOnLevelGroundAreThoseOfThePlane) {
   for (const Eigen::Vector3d& place :
        {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(1e6, -3e5, 400.0)}) {

@@ -4,6 +4,7 @@
 #include <deque>
 #include <utility>
 
+#include "hil/world/dug_ground.h"
 #include "hil/world/truth_observer.h"
 #include "sim/weather/scene_weather.h"
 
@@ -67,12 +68,12 @@ class WorldCamera final : public WorldSensor {
     }
   }
 
+  /// The worker casts its rays into a scene of its own.
+  [[nodiscard]] bool looks_at_scene() const override { return false; }
   void slice(const WorldSlice& slice, Shelves& samples) override {
     paced_ = slice.paced;
     worker_.reach(slice.t1, slice.paced);
-    if (slice.dug) {
-      dug_ = dug_ ? dug_->joined(*slice.dug) : *slice.dug;
-    }
+    dug_.follow(slice);
     prepare(slice);
     while (!open_.empty() && open_.front().over) {
       submit(slice, std::move(open_.front()));
@@ -234,17 +235,7 @@ class WorldCamera final : public WorldSensor {
       CameraJob& job = exposure.job;
       job.placement = slice.scene.placement();
       job.with_truth = pending.with_truth;
-      if (dug_ && slice.ground != nullptr) {
-        DugGround& dug = job.dug.emplace();
-        dug.nodes = *dug_;
-        dug.heights_m.reserve(dug_->nodes());
-        for (std::size_t r = dug_->first_row; r <= dug_->last_row; ++r) {
-          for (std::size_t c = dug_->first_column; c <= dug_->last_column; ++c) {
-            dug.heights_m.push_back(slice.ground->node(c, r));
-          }
-        }
-        dug_.reset();
-      }
+      job.dug = dug_.take(slice);
       if (slice.weather != nullptr) {
         job.dust = slice.weather->dust();
       }
@@ -373,7 +364,7 @@ class WorldCamera final : public WorldSensor {
   std::deque<Pending> pending_;
   sim::AutoExposure automatic_;
   std::size_t unmeasured_ = 0;  ///< Exposures that automatic_ has chosen and not heard of.
-  std::optional<sim::NodeRectangle> dug_;
+  DugNodes dug_;
   bool paced_ = false;
   bool prepared_ = false;
   CameraWorker worker_;

@@ -133,10 +133,10 @@ class CameraPreviews final : public WorldSensor {
     }
   }
 
+  /// The previews' thread casts its rays into a scene of its own.
+  [[nodiscard]] bool looks_at_scene() const override { return false; }
   void slice(const WorldSlice& slice, Shelves& /*samples*/) override {
-    if (slice.dug) {
-      dug_ = dug_ ? dug_->joined(*slice.dug) : *slice.dug;
-    }
+    dug_.follow(slice);
     if (!busy_.load(std::memory_order_acquire)) {
       if (const auto camera = next_camera(slice.t1)) {
         submit(slice, *camera);
@@ -200,17 +200,7 @@ class CameraPreviews final : public WorldSensor {
     for (const sim::LinkMotion& body : slice.links_at_t1) {
       job.bodies.push_back({body.X_WL, body.X_WL});
     }
-    if (dug_ && slice.ground != nullptr) {
-      DugGround& dug = job.dug.emplace();
-      dug.nodes = *dug_;
-      dug.heights_m.reserve(dug_->nodes());
-      for (std::size_t r = dug_->first_row; r <= dug_->last_row; ++r) {
-        for (std::size_t c = dug_->first_column; c <= dug_->last_column; ++c) {
-          dug.heights_m.push_back(slice.ground->node(c, r));
-        }
-      }
-      dug_.reset();
-    }
+    job.dug = dug_.take(slice);
     if (slice.weather != nullptr) {
       job.dust = slice.weather->dust();
     }
@@ -336,7 +326,7 @@ class CameraPreviews final : public WorldSensor {
   // Of the truth's thread.
   std::vector<Watched> watched_;
   std::size_t turn_ = 0;
-  std::optional<sim::NodeRectangle> dug_;  ///< Since the last job.
+  DugNodes dug_;
 
   // Of the previews' thread.
   std::unique_ptr<sim::Scene> scene_;

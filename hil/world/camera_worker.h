@@ -26,18 +26,12 @@
 #include <vector>
 
 #include "hil/world/camera_surroundings.h"
+#include "hil/world/dug_ground.h"
 #include "sim/camera/camera_sensor.h"
-#include "sim/scene/node_rectangle.h"
 #include "sim/scene/scene.h"
 #include "sim/weather/dust_cloud.h"
 
 namespace rigwire::hil {
-
-/// Heights of the nodes that were dug since the job before, row by row.
-struct DugGround {
-  sim::NodeRectangle nodes;
-  std::vector<double> heights_m;
-};
 
 struct CameraJob {
   /// But for light, air, sky and wetness, which are the worker's. Nothing: no picture, only what
@@ -48,7 +42,7 @@ struct CameraJob {
   SimTime due{};  ///< When the picture is wanted.
   sim::ScenePlacement placement;
   std::vector<sim::BodyMotion> bodies;
-  std::optional<DugGround> dug;
+  std::optional<DugGround> dug;  ///< Since the job before.
   std::optional<sim::DustCloud> dust;
   bool with_truth = false;  ///< What is true behind the picture is wanted, too.
 };

@@ -27,25 +27,16 @@ class WorldView final : public WorldSensor {
 
   void take(SimTime /*frontier*/, const Shelves& /*requests*/) override {}
 
+  [[nodiscard]] bool looks_at_scene() const override { return false; }
   void slice(const WorldSlice& slice, Shelves& /*samples*/) override {
-    if (slice.dug) {
-      dug_ = dug_ ? dug_->joined(*slice.dug) : *slice.dug;
-    }
+    dug_.follow(slice);
     if (slice.t1 < next_) {
       return;
     }
     next_ = slice.t1 + period_;
     ViewChange change;
     change.time = slice.t1;
-    if (dug_ && slice.ground != nullptr) {
-      change.heights_m.reserve(dug_->nodes());
-      for (std::size_t r = dug_->first_row; r <= dug_->last_row; ++r) {
-        for (std::size_t c = dug_->first_column; c <= dug_->last_column; ++c) {
-          change.heights_m.push_back(slice.ground->node(c, r));
-        }
-      }
-      change.dug = std::exchange(dug_, std::nullopt);
-    }
+    change.dug = dug_.take(slice);
     const std::size_t bodies = slice.links_at_t1.size();
     const bool first = places_.empty();
     places_.resize(bodies, Eigen::Isometry3d::Identity());
@@ -77,7 +68,7 @@ class WorldView final : public WorldSensor {
   Duration period_;
   std::function<void(ViewChange)> told_;
   SimTime next_ = kStart;
-  std::optional<sim::NodeRectangle> dug_;
+  DugNodes dug_;
   std::vector<Eigen::Isometry3d> places_;
   std::shared_ptr<const std::vector<sim::DisplacedPiece>> displaced_;
   AirView air_;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "hil/world/dug_ground.h"
 #include "hil/world/world_sensor.h"
 #include "sim/scene/scene_contents.h"
 
@@ -33,9 +34,7 @@ struct AirView {
 
 struct ViewChange {
   SimTime time{};
-  /// Heights of nodes of the ground that was dug, row by row.
-  std::optional<sim::NodeRectangle> dug;
-  std::vector<double> heights_m;
+  std::optional<DugGround> dug;
   struct Body {
     std::size_t body = 0;  ///< Of the scene.
     Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();

@@ -57,13 +57,13 @@ struct WorldStep {
   [[nodiscard]] sim::LinkMotion motion(const SensorMount& mount, SimTime time) const;
 };
 
-/// One slice, for sensors that look at the scene; it stands prepared for the whole of it.
+/// One slice, for sensors that measure when its last step is done.
 struct WorldSlice {
   SimTime t0{};
   SimTime t1{};
   LinkMotions links_at_t0;
   LinkMotions links_at_t1;
-  const sim::Scene& scene;
+  const sim::Scene& scene;                      ///< Ready for the rays of sensors that look at it.
   const sim::SceneWeather* weather = nullptr;   ///< Null: clear air.
   LidarTruthObserver* lidar_truth = nullptr;    ///< Null: nobody asks.
   CameraTruthObserver* camera_truth = nullptr;  ///< Likewise.
@@ -88,6 +88,9 @@ class WorldSensor {
   virtual void slice(const WorldSlice& /*slice*/, Shelves& /*samples*/) {}
   /// Whether slice() is called first, and its time counted as ray casting.
   [[nodiscard]] virtual bool casts_beams() const { return false; }
+  /// Whether slice() will cast rays into the scene itself; asked when the last step is done. Where
+  /// no sensor does, what moves is not placed for rays.
+  [[nodiscard]] virtual bool looks_at_scene() const { return true; }
   /// Adds what is true of the sensor at `time` within the step, where that is no property of the
   /// machine.
   virtual void tell(const WorldStep& /*step*/, SimTime /*time*/, TruthRecord& /*truth*/) const {}
@@ -120,6 +123,7 @@ class StepSensor : public WorldSensor {
   void take(SimTime frontier, const Shelves& requests) override {
     instants_.take(frontier, requests);
   }
+  [[nodiscard]] bool looks_at_scene() const final { return false; }
 
   void step(const WorldStep& step, Shelves& samples) final {
     if (instants_.next() > step.t1) {

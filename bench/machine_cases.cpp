@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/gator.h"
+#include "bench/machine_files.h"
 #include "sim/driveline/driveline.h"
 #include "sim/excavator/excavator.h"
 #include "sim/roller/tandem_roller.h"

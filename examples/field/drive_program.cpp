@@ -29,6 +29,10 @@ std::vector<SilenceWatch::Device> devices(const DriveOptions& options) {
   if (options.lidar_port) {
     all.push_back({"lidar", 500ms});
   }
+  for (SilenceWatch::Device& device : all) {
+    device.limit = std::chrono::duration_cast<std::chrono::milliseconds>(device.limit *
+                                                                         options.silence_factor);
+  }
   return all;
 }
 

@@ -48,6 +48,7 @@ struct DriveOptions {
   PoseEstimatorSettings estimator;
   std::string log;                       ///< Empty: no log.
   std::chrono::nanoseconds duration{0};  ///< 0: for ever.
+  double silence_factor = 1.0;           ///< Of the silence that is allowed to each device.
   /// The odometry's reference point is between all wheels, not between the rear ones.
   bool reference_between_axles = false;
   bool quiet = false;
@@ -73,6 +74,8 @@ fitting
   --gnss-fix KIND         of the positions it begins with, at least: autonomous,
                           differential, float, fixed               (autonomous)
   --gnss-age S            from its measurement to its arrival      (0.15)
+  --silence FACTOR        of the silence that is allowed: gnss 3 s, others 0.5 s; above 1 for
+                          a rig that does not keep up with the clock   (1)
 output
   --duration S            stop after S seconds
   --log FILE              what it believes, one JSON object per line, 10 per second
@@ -180,6 +183,9 @@ Options parse_drive(std::span<const std::string_view> arguments, Setters<Options
   };
   setters["--gnss-age"] = [](Options& o, auto n, auto v) {
     o.estimator.gnss_age_s = number(n, v, 0, 2, "seconds, 0..2");
+  };
+  setters["--silence"] = [](Options& o, auto n, auto v) {
+    o.silence_factor = number(n, v, 1, 1000, "1..1000");
   };
   setters["--log"] = [](Options& o, auto, auto v) { o.log = v; };
   setters["--duration"] = [](Options& o, auto n, auto v) { o.duration = seconds(n, v); };

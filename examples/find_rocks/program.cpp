@@ -220,7 +220,7 @@ void Program::print_table() const {
       static_cast<unsigned long long>(passed_over_), static_cast<unsigned long long>(unsettled_),
       static_cast<unsigned long long>(stream.dropped), static_cast<unsigned long long>(unusable_));
   if (!found_.ground) {
-    table += "no ground to be told\n";
+    table += "no ground found\n";
   } else {
     table += text("camera %.2f m above the ground, %.1f deg down, rocks up to %.1f m ahead\n",
                   found_.camera_height_m, found_.pitch_rad / field::kDegree, found_.farthest_m);

@@ -16,6 +16,9 @@ constexpr double kUsualHeightShare = 2.0 / 3.0;
 constexpr double kLeastSlenderness = 0.3;
 /// Of a rock's width: a rock that lies loose is no taller, a bush, a trunk and a post are.
 constexpr double kMostSlenderness = 1.2;
+/// A disc fills 0.79 of its rectangle in the picture; disparities that matching has found by chance
+/// fill less, because they are scattered.
+constexpr double kLeastFilling = 1.0 / 3.0;
 /// Of a rock's diameter: how wide it is seen, at least.
 constexpr double kLeastWidthShare = 0.7;
 /// Standard deviations of a pixel's height: beyond the first it may be of a rock, beyond the second
@@ -199,9 +202,11 @@ class Finder {
     const bool flat = rock.height_m < kLeastSlenderness * rock.width_m;
     const bool tall = rock.height_m > kMostSlenderness * rock.width_m;
     const bool large = rock.width_m > settings_.largest_m || rock.height_m > settings_.largest_m;
+    const int rectangle = (rock.area.right - rock.area.left) * (rock.area.bottom - rock.area.top);
+    const bool scattered = rock.pixels < kLeastFilling * rectangle;
     const bool hangs = foot_m > kHanging_m + kPixelSigmas * sigma_m;
-    if (2 * own_pixels > rock.pixels || cut || small || flat || tall || large || hangs ||
-        ahead_m > farthest_m_) {
+    if (2 * own_pixels > rock.pixels || cut || small || flat || tall || large || scattered ||
+        hangs || ahead_m > farthest_m_) {
       return std::nullopt;
     }
     const double middle_m = nearest_m + 0.5 * rock.width_m;

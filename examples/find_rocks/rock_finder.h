@@ -5,6 +5,8 @@
 // joined to heaps in the picture; a heap is a rock when
 // - it is at least as wide and as high as a rock of the least size, and no larger than the largest,
 // - it is about as wide as high, or wider: no trunk, no post, no bush that stands upright,
+// - its pixels fill a third of their rectangle or more: what is scattered, matching found by
+// chance,
 // - it stands on the ground: nothing that hangs in the air (a boom) and nothing that the edge of
 //   what has disparities cuts,
 // - and it is not of the machine itself: within a box or a part of the picture that was named.

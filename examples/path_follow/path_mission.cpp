@@ -76,11 +76,11 @@ std::optional<std::string> PathMission::fault() const {
   char text[192];
   if (blocked_s_ > kPatience_s && way_.nearest()) {
     const Obstruction& it = *way_.nearest();
-    (void)std::snprintf(text, sizeof(text),
-                        "something stands in the way, %.1f m ahead of the front, %.1f m %s of the "
-                        "line, at least %.1f m high; stopped before it",
-                        it.ahead_m, std::abs(it.offset_m), it.offset_m < 0.0 ? "right" : "left",
-                        it.height_m);
+    (void)std::snprintf(
+        text, sizeof(text),
+        "there is an obstacle in the way, %.1f m ahead of the front, %.1f m %s of the "
+        "line, at least %.1f m high; stopped before it",
+        it.ahead_m, std::abs(it.offset_m), it.offset_m < 0.0 ? "right" : "left", it.height_m);
     return text;
   }
   if (follower_.off_path()) {
@@ -92,10 +92,11 @@ std::optional<std::string> PathMission::fault() const {
     return why;
   }
   if (stuck_.stuck()) {
-    (void)std::snprintf(text, sizeof(text),
-                        "the vehicle does not move: asked for %.1f m/s, its wheels have stood for "
-                        "15 s; something holds it",
-                        wish_mps_);
+    (void)std::snprintf(
+        text, sizeof(text),
+        "the vehicle does not move: asked for %.1f m/s, its wheels have not turned for "
+        "15 s; something holds it",
+        wish_mps_);
     return text;
   }
   if (spin_.spinning()) {

@@ -145,8 +145,9 @@ TEST(PathFollowMission, VehicleThatDoesNotMoveIsAFault) {
   for (int i = 0; i < 1000; ++i) {
     (void)mission.update(pose, {}, kStep_s);
   }
-  EXPECT_THAT(mission.fault().value_or(""),
-              HasSubstr("the vehicle does not move: asked for 0.8 m/s, its wheels have stood"));
+  EXPECT_THAT(
+      mission.fault().value_or(""),
+      HasSubstr("the vehicle does not move: asked for 0.8 m/s, its wheels have not turned"));
 }
 
 TEST(PathFollowMission, WheelsThatTurnBeforeATrunkAreAFaultThatSaysSo) {

@@ -296,7 +296,7 @@ PublishedLink::PublishedLink(fs::path path)
     : path_(std::move(path)), lock_(std::make_unique<NameLock>(path_)) {
   std::error_code lost;
   if (path_.is_relative() && fs::current_path(lost).empty()) {
-    refuse_line(path_, "the working folder cannot be told: " + lost.message(),
+    refuse_line(path_, "the working folder is unknown: " + lost.message(),
                 "change to a folder that exists, or give an absolute path");
   }
   if (is_below_dev(path_)) {

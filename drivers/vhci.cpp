@@ -54,7 +54,7 @@ std::string vhci_obstacle() {
     return "no virtual USB host controller; sudo modprobe vhci-hcd";
   }
   if (::access(attribute("attach").c_str(), W_OK) != 0) {
-    return "only root may attach USB devices; run `sudo usbip attach` by hand";
+    return "only root may attach USB devices; run `sudo usbip attach` yourself";
   }
   return {};
 }

@@ -379,7 +379,11 @@ const std::vector<LiveRow>& pdo_rows() {
 const std::vector<LiveRow>& encoder_rows() {
   static const std::vector<LiveRow> rows{
       {"1000", "The device type is an encoder's", kNone, {kPosition}, is_encoder},
-      {"1000", "The device type tells one revolution from several", kNone, {{0x6502, 0}}, turns},
+      {"1000",
+       "The device type distinguishes single-turn and multi-turn encoders",
+       kNone,
+       {{0x6502, 0}},
+       turns},
       {"6500",
        "The status is as the parameters are set",
        kNone,

@@ -206,7 +206,7 @@ void several(T& trial, std::size_t count) {
 
 void nobody(T& trial) {
   if (const auto value = trial.read(boot::kControlPrivilege)) {
-    trial.expect(*value == 0, "nobody in control", gige_address_text(*value));
+    trial.expect(*value == 0, "no controlling application", gige_address_text(*value));
   }
 }
 
@@ -520,7 +520,7 @@ constexpr std::array kRows{
     GigeVisionRow{"discovery", "The device is big-endian", kMust, big_endian},
     GigeVisionRow{"discovery", "Texts are UTF-8", kShould, character_set},
     GigeVisionRow{"discovery", "The MAC address is a device's", kMust, hardware_address},
-    GigeVisionRow{"discovery", "It tells the address that it has", kMust, own_address},
+    GigeVisionRow{"discovery", "It reports its own address", kMust, own_address},
     GigeVisionRow{"discovery", "The mask is one", kMust, mask},
     GigeVisionRow{"discovery", "Texts end with zeros", kMust, texts},
     GigeVisionRow{"discovery", "Maker and model have names", kMust, names},

@@ -110,7 +110,7 @@ void GigeVisionTrial::keep_waiting(DatagramLine::Datagram datagram) {
   if (device_->waiting_bytes > kDatagramLimits.question) {
     const std::string most = std::to_string(kDatagramLimits.question >> 20U) + " MiB";
     drain();
-    throw TooMuch("at most " + most + " that nobody asked for", "more than " + most);
+    throw TooMuch("at most " + most + " of data that was not requested", "more than " + most);
   }
   device_->arrived.at(datagram.at_port).push_back(std::move(datagram));
 }

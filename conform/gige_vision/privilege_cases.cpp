@@ -35,7 +35,7 @@ void taken(T& trial) {
 void given_back(T& trial) {
   if (trial.take_control() && trial.write(boot::kControlPrivilege, 0)) {
     if (const auto value = trial.read(boot::kControlPrivilege)) {
-      trial.expect(*value == 0, "nobody in control (0)", gige_address_text(*value));
+      trial.expect(*value == 0, "no controlling application (0)", gige_address_text(*value));
     }
     static_cast<void>(trial.write(boot::kControlPrivilege, gev::Privilege::kControl, T::kOther));
   }
@@ -121,7 +121,7 @@ void silence_loses(T& trial) {
     trial.wait(milliseconds(500));
     value = trial.read(boot::kControlPrivilege, T::kOther);
   }
-  trial.expect(value == 0U, "nobody in control after a silence of several heartbeats",
+  trial.expect(value == 0U, "no controlling application after several missed heartbeats",
                gige_address_text(value.value_or(0)));
   put_heartbeat_back(trial, *before);
 }
@@ -131,7 +131,7 @@ void heartbeat_keeps(T& trial) {
   for (int i = 0; before && i < 12 && trial.fine(); ++i) {
     trial.wait(milliseconds(200));
     if (const auto value = trial.read(boot::kControlPrivilege)) {
-      trial.expect((*value & 3U) != 0, "control for as long as it is heard of", "none");
+      trial.expect((*value & 3U) != 0, "control as long as heartbeats arrive", "none");
     }
   }
   if (before) {
@@ -293,28 +293,28 @@ constexpr std::array kPrivilegeRows{
     row("control", "Others may read", kMust, others_read),
     row("control", "Others may not write", kMust, others_do_not_write),
     row("control", "With exclusive control others do not read", kMust, exclusive),
-    row("control", "It tells the port of who is in control", kMust, primary,
+    row("control", "It reports the port of the controlling application", kMust, primary,
         gev::Capability::kPrimaryApplication),
     row("control", "The heartbeat's timeout is kept", kMust,
         [](T& t) { kept(t, boot::kHeartbeatTimeout, 5000); }),
     row("control", "A heartbeat's timeout below 500 ms is not taken", kShould, heartbeat_floor),
     row("control", "Who is silent loses control", kMust, silence_loses),
-    row("control", "Who is heard of keeps it", kMust, heartbeat_keeps),
+    row("control", "Control is kept while heartbeats arrive", kMust, heartbeat_keeps),
     row("control", "WRITEREG that comes again is answered again", kMust, repeated_request),
     row(
-        "control", "WRITEREG of two tells that two were written", kMust,
+        "control", "WRITEREG of two reports that two were written", kMust,
         [](T& t) { two_written(t, boot::kHeartbeatTimeout, 2, true); },
         gev::Capability::kConcatenation),
     row(
         "control", "WRITEREG stops at the first that is refused", kMust,
         [](T& t) { two_written(t, 0xFFFF'FFF0, 1, false); }, gev::Capability::kConcatenation),
-    row("control", "WRITEMEM tells how many bytes were written", kMust, memory_written,
+    row("control", "WRITEMEM reports how many bytes were written", kMust, memory_written,
         gev::Capability::kWriteMemory),
     row("control", "A register that is read only is refused", kShould, write_protected),
     row("control", "An address that there is not is refused", kShould, written_nowhere),
     row("control", "The user's name is kept", kMust, user_name, gev::Capability::kUserDefinedName),
     row("time", "The time stamp grows", kMust, time_goes),
-    row("time", "What was latched stands", kMust, time_stands_latched),
+    row("time", "A latched time stamp does not change", kMust, time_stands_latched),
     row("timing-ticks", "Ticks are as fast as they are said to be", kShould, time_as_here),
 };
 

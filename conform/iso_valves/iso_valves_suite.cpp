@@ -560,13 +560,13 @@ constexpr std::array kRows{
         ignored<extend, kReservedFlow>, kMoves},
     Row{"AVC", "A state that is not assigned is ignored", kOfCommand, kMust, nothing,
         ignored<unassigned, kFifth>, kMoves},
-    Row{"AVC", "Neutral with a flow is told as out of range", kOfExit, kShould, nothing,
+    Row{"AVC", "Neutral with a flow is reported as out of range", kOfExit, kShould, nothing,
         told_out_of_range, kMoves},
     Row{"AVC", "A command of four bytes is ignored", kOfCommand, kMust, nothing,
         short_command_ignored, kMoves},
     Row{"AVC", "Without commands it goes to neutral", kOfCommand, kMust, a_timeout,
         falls_to_neutral, kMoves},
-    Row{"AVC", "The time-out is told", kOfExit, kShould, a_timeout, tells_timeout, kMoves},
+    Row{"AVC", "The time-out is reported", kOfExit, kShould, a_timeout, tells_timeout, kMoves},
     Row{"AVC", "With commands it stays", kOfCommand, kMust, a_timeout, stays, kMoves},
     Row{"AVC", "Behind a time-out it wants neutral first",
         "Danfoss PVED-CL, intended steering, by analogy", kShould, a_timeout, wants_neutral_first,
@@ -640,7 +640,7 @@ IsoValveClaims survey_iso_valves(const IsoValveDevice& device) {
         claims.measured_flow || (address && pgn >= kMeasured && pgn < kMeasured + kValves);
   }
   if (!address) {
-    throw Unreachable("nobody says estimated flow on the bus in 2 s");
+    throw Unreachable("no node sends estimated flow on the bus within 2 s");
   }
   const auto first = std::ranges::find(estimated, true);
   claims.address = *address;

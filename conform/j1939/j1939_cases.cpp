@@ -272,7 +272,8 @@ void once_more(T& trial) {
   const auto of = announced(trial, 16, trial.claims().address);
   if (of && clear_to_send(trial, *of, of->packets, 1) && packets(trial, *of, 1, of->packets) &&
       clear_to_send(trial, *of, 1, 1) && packets(trial, *of, 1, 1) &&
-      nothing_more(trial, milliseconds(60), "nothing more behind it until it is told")) {
+      nothing_more(trial, milliseconds(60),
+                   "nothing more behind it until the next clear to send")) {
     acknowledge_end(trial, *of);
   }
 }
@@ -481,9 +482,9 @@ std::vector<J1939Case> j1939_network_cases() {
   std::vector<J1939Case> all;
   Citations names("j1939-81", "SAE J1939-81");
   Citations requests("j1939", "SAE J1939-21");
-  const std::array claims{NetworkRow{"4.2.1", "Asked for its claim it tells it",
+  const std::array claims{NetworkRow{"4.2.1", "It answers a request for its address claim",
                                      [](T& t) { claims_when_asked(t, t.claims().address); }},
-                          NetworkRow{"4.2.1", "When everybody is asked for claims it tells its own",
+                          NetworkRow{"4.2.1", "It answers a global request for address claims",
                                      [](T& t) { claims_when_asked(t, T::kEverybody); }},
                           NetworkRow{"4.1.1", "Its NAME stays the same", same_name},
                           NetworkRow{"4.1.1", "The reserved bit of its NAME is 0", reserved_bit},

@@ -99,7 +99,7 @@ J1939Claims survey_j1939(J1939Device& device, std::optional<std::uint8_t> addres
     }
   }
   if (heard.empty()) {
-    throw Unreachable("nobody says anything on the bus in 6 s");
+    throw Unreachable("no node sends anything on the bus within 6 s");
   }
   const auto most = std::ranges::max_element(heard, {}, [](const auto& each) {
     std::size_t frames = 0;

@@ -218,10 +218,10 @@ std::vector<J1939Case> j1939_loss_cases() {
     Strength strength = Strength::must;
   };
   const std::array rows{
-      Row{"It gives way to a lower NAME: cannot claim, or claims another address", gives_way},
+      Row{"It yields to a lower NAME: cannot claim, or claims another address", gives_way},
       Row{"It speaks no more with the address that it has lost", leaves_it},
       Row{"Without an address it says nothing but that", is_silent},
-      Row{"Asked for claims it tells what it has instead", still_answers},
+      Row{"It answers requests for claims with the address that it has now", still_answers},
       Row{"How it takes its address back", comes_back, Strength::observed}};
   std::vector<J1939Case> all;
   Citations citations("j1939-81", "SAE J1939-81");

@@ -192,7 +192,8 @@ struct IdentityRow {
 
 constexpr std::array kIdentityRows{
     IdentityRow{17, "6.13", "The answer has as many bytes as it counts", kMust, server_identifier},
-    IdentityRow{17, "6.13", "What a device tells of itself", Strength::observed, run_indicator},
+    IdentityRow{17, "6.13", "What a device reports about itself", Strength::observed,
+                run_indicator},
     IdentityRow{17, "6.13", "A request with a byte too many is refused", Strength::should,
                 [](T& t) {
                   t.refuses({17, 0}, ExceptionCode::illegal_data_value);

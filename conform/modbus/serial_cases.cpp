@@ -176,7 +176,7 @@ void counts_as_function_11(T& trial) {
   const auto found = data && data->size() == 4 ? event_log(trial) : std::nullopt;
   if (found) {
     const unsigned counted = (*data)[2] * 256U + (*data)[3];
-    trial.expect(found->events == counted, std::to_string(counted) + ", as function 11 tells",
+    trial.expect(found->events == counted, std::to_string(counted) + ", as function 11 reports",
                  std::to_string(found->events));
   }
 }

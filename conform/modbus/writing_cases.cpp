@@ -198,7 +198,8 @@ void partly_outside(T& trial) {
     return range.last < 0xFFFF && !trial.claims().claims(Table::holding_registers, range.last + 1U);
   });
   if (table.empty() || last == trial.claims().writable_registers.end()) {
-    return trial.not_applicable("no writable register stands before one that is not there");
+    return trial.not_applicable(
+        "no writable register is followed by an address without a register");
   }
   const KeptRegisters kept(trial, last->last, 1);
   if (kept.values()) {

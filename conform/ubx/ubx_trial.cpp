@@ -287,7 +287,7 @@ std::optional<UbxTrial::Payloads> UbxTrial::together(const std::vector<std::stri
     }
     drain();
   }
-  expect(false, "the same iTOW in all that one epoch tells", "never in five tries");
+  expect(false, "the same iTOW in all messages of one epoch", "never in five tries");
   return std::nullopt;
 }
 

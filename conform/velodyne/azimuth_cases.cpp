@@ -16,7 +16,7 @@ constexpr const char* kSpeed = "63-9243 Rev. D, rotation speed";
 
 std::string turning(const Log& log, const Claims& claims) {
   const auto rpm = log.rotor_rpm();
-  return !rpm || std::abs(*rpm) < 1.0 ? "its rotor stands" : a_model(log, claims);
+  return !rpm || std::abs(*rpm) < 1.0 ? "its rotor does not turn" : a_model(log, claims);
 }
 /// Behind the gap of a narrowed view nobody can tell when a firing was.
 std::string turning_all_round(const Log& log, const Claims& claims) {
@@ -167,7 +167,7 @@ void steady(Trial& trial, const Log& log, const Claims&) {
     }
   }
   if (!whole) {
-    return trial.not_applicable("no whole turn was heard");
+    return trial.not_applicable("no whole revolution was received");
   }
   trial.expect(greatest - least <= 0.02 * greatest, "turns of one speed within 2 %",
                number_text(least) + " to " + number_text(greatest) + " rpm");

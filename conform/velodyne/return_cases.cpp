@@ -153,7 +153,7 @@ void last_is_last(Trial& trial, const Log& log, const Claims&) {
     return trial.not_applicable("no shot had two returns");
   }
   trial.expect(found.wrong * 50 <= found.pairs,
-               "the farther return where the last one stands, but of one in fifty",
+               "the farther return in the place of the last return, but for one in fifty",
                std::to_string(found.wrong) + " of " + std::to_string(found.pairs) + " otherwise");
 }
 

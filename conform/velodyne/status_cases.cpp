@@ -129,7 +129,7 @@ std::vector<VelodyneRow> velodyne_status_rows() {
       {"status", "The record is whole and passes its check", kStatus, kMust, whole_record, record},
       {"status", "The record's speed is the rotor's", kStatus, kShould, whole_record,
        speed_of_record},
-      {"status", "The record tells how many returns there are", kStatus, kMust, whole_record,
+      {"status", "The record gives the number of returns", kStatus, kMust, whole_record,
        echoes_of_record},
   };
 }

@@ -97,7 +97,7 @@ void visit_canopen(fields::Visitor& v, CanopenDeviceSettings& p) {
             "Time between two heartbeats; 0 = none.");
   v.boolean("starts_itself", p.node.starts_itself, "Operational without a master's command.");
   v.integer("serial", p.serial, IntegerRule{0, 0xFFFFFFFF},
-            "Serial number that its identity object tells.");
+            "Serial number in its identity object.");
 }
 
 void validate_canopen(const CanopenDeviceSettings& settings) {

@@ -248,11 +248,11 @@ void visit(fields::Visitor& v, InclinometerSettings& p) {
   v.integer("filter", p.filter_step, IntegerRule{0, canopen::kFilterCutOffs_hz.size() - 1},
             "Low-pass on the force: 0 = none, 1 .. 4 = cut off at 10, 5, 1, 0.5 Hz.");
   v.integer("quadrants", p.quadrants, IntegerRule{0, canopen::QuadrantCorrection::kFullTurn},
-            "Slopes that it tells apart: 0 = -90 .. 90, 1 = -180 .. 180, 2 = 0 .. 360 deg.");
+            "Range of slopes: 0 = -90 .. 90, 1 = -180 .. 180, 2 = 0 .. 360 deg.");
   v.number("range", p.range_rad, fields::in("deg").above(0).at_most(180),
            "Greatest slope to either side; an axis beyond it is not valid.");
   v.integer("product", p.product, IntegerRule{0, 0xFFFFFFFF},
-            "Product code that its identity object tells.");
+            "Product code in its identity object.");
   v.duration("sampling", p.sampling, {100'000, 1'000'000'000},
              "Time between two readings of the force.");
   visit(v, p.supply);

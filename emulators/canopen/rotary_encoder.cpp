@@ -198,7 +198,7 @@ void visit(fields::Visitor& v, RotaryEncoderSettings& p) {
   visit_canopen(v, p);
   v.integer("resolution", p.resolution_bits, IntegerRule{13, 16}, "Bits per revolution.");
   v.integer("revolutions", p.revolutions, IntegerRule{1, 32768},
-            "Revolutions that it tells apart; 1 = a single-turn encoder.");
+            "Number of distinguishable revolutions; 1 = a single-turn encoder.");
   v.choice("direction", p.counter_clockwise, kDirections, "Direction in which the code rises.");
   v.number("offset", p.offset_rad, fields::in("deg").between(-360, 360),
            "Angle at which the code is 0.");

@@ -26,7 +26,7 @@ bool is_vin_or_empty(const std::string& value) {
 
 void visit(fields::Visitor& v, J1939NameSettings& p) {
   v.integer("manufacturer", p.manufacturer, IntegerRule{0, 2047},
-            "Manufacturer code in the NAME; 0 is reserved and nobody's.");
+            "Manufacturer code in the NAME; 0 is reserved.");
   v.integer("function", p.function, IntegerRule{0, 255},
             "Function in the NAME: 23 vehicle navigation, 30 management computer; with "
             "industry_group 2 and device_class 0, 134 tractor ECU.");

@@ -62,7 +62,7 @@ struct ModbusExceptionFault {
   ModbusException code = ModbusException::server_device_failure;
 };
 struct ModbusSilenceFault {
-  static constexpr fields::Named kNamed{"silent", "The unit hears nothing."};
+  static constexpr fields::Named kNamed{"silent", "The unit receives nothing."};
 };
 struct ModbusLostAnswerFault {
   static constexpr fields::Named kNamed{"lost", "The unit acts, its answer is lost."};

@@ -56,7 +56,7 @@ void visit(fields::Visitor& v, CasterFault& p) {
 void visit(fields::Visitor& v, NtripCasterSettings& p) {
   v.choice("version", p.version, kVersions, "Version of NTRIP in which it answers.");
   v.boolean("chunked", p.chunked, "Streams of version 2 come in chunks of HTTP.");
-  v.text("user", p.user, "Name that clients must give; empty = nobody is asked.");
+  v.text("user", p.user, "Name that clients must give; empty = clients need no name.");
   v.text("password", p.password, "Password that goes with `user`.");
 }
 

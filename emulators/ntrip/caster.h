@@ -47,7 +47,7 @@ struct StalledCorrectionsFault {
 };
 struct WrongStationFault {
   static constexpr fields::Named kNamed{
-      "wrong_station", "Observations name another station than the one whose place is told."};
+      "wrong_station", "Observations carry another station number than the reference position."};
 
   unsigned station = 4095;
 };

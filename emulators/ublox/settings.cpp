@@ -81,7 +81,7 @@ void visit(fields::Visitor& v, UartNoiseFault& p) {
 
 void visit(fields::Visitor& v, SlowFixFault& p) {
   v.number("share", p.share, fields::in("%").above(0).at_most(100),
-           "Of the epochs that are worked out and told, evenly.");
+           "Share of the epochs that are computed and sent, evenly spaced.");
   visit_ramp(v, p.ramp);
 }
 

@@ -145,9 +145,9 @@ void add_inputs(ValveMap& map) {
                        "word first"));
   list.push_back(input("swing_rate", kSwingRate, 1, Format::s16, swing_rate, "deg/s", 0.01,
                        {-32767, 32767}, "left positive"));
-  list.push_back(input("measurement_count", kMeasurementCount, 1, Format::u16, measurement_count,
-                       "", 1, {},
-                       "measurements taken, wraps; stands still when the transducers are silent"));
+  list.push_back(
+      input("measurement_count", kMeasurementCount, 1, Format::u16, measurement_count, "", 1, {},
+            "measurements taken, wraps; does not change while the transducers are silent"));
   list.push_back(input("port_a_pressure", kPortAPressure, kRows, Format::u16, port_a_pressure,
                        "bar", 0.1, {}, "cylinder bottom side or motor port A, one per section"));
   list.push_back(input("port_b_pressure", kPortBPressure, kRows, Format::u16, port_b_pressure,

@@ -316,7 +316,7 @@ void visit(fields::Visitor& v, RegisterTranslation& p) {
   v.required("count");
   v.number("count", p.count, kCount, "Count in the register.");
   v.required("value");
-  v.number("value", p.value, kCount, "Value of the signal that the count stands for.");
+  v.number("value", p.value, kCount, "Value of the signal that the count represents.");
 }
 
 void visit(fields::Visitor& v, ValveRegister& p) {

@@ -103,7 +103,7 @@ void visit(fields::Visitor& v, VehicleGatewaySettings& p) {
   v.number("stop_brake_share", p.stop_brake_share, in("1").between(0, 1),
            "Share of the service brake when the machine stops by itself.");
   v.number("standstill_speed", p.standstill_speed_mps, in("m/s").between(0.001, 1),
-           "Speed below which the machine stands.");
+           "Speed below which the machine counts as standing still.");
   v.duration("park_delay", p.park_delay, {0, 3'600'000'000'000},
              "After a stop by itself and standing for this long it parks.");
 }

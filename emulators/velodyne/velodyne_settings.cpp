@@ -124,7 +124,7 @@ void visit_clock(fields::Visitor& v, VelodyneSettings& p) {
              "Length of the pulse per second.");
   v.duration("sentence_delay", p.sentence_delay, {50'000'000, 500'000'000},
              "From the pulse's end to the sentence.");
-  v.boolean("sentence_tenths", p.sentence_tenths, "Sentences tell tenths of seconds.");
+  v.boolean("sentence_tenths", p.sentence_tenths, "Sentences have tenths of seconds.");
   v.boolean("pulse_without_fix", p.pulse_without_fix, "There are pulses before a fix.");
   v.duration("pulse_qualifier_delay", p.pulse_qualifier_delay, {0, 65'535'000'000'000},
              "After good pulses for so long the sensor is locked.");
@@ -209,7 +209,7 @@ void visit(fields::Visitor& v, VelodyneSettings& p) {
   }
   v.number("rate", p.saved.rotor_rpm,
            in("rpm").stored_as("rpm").between(0, model.maximum_rotor_rpm),
-           "Speed of the rotor; 10 Hz is 600 rpm; 0 = it stands.");
+           "Speed of the rotor; 10 Hz is 600 rpm; 0 = it does not turn.");
   v.choice("return_mode", p.saved.return_mode, kReturnModes, "Which echoes are sent.");
   v.boolean("laser", p.saved.laser_on, "Whether the lasers fire.");
   v.group(
@@ -231,7 +231,7 @@ void visit(fields::Visitor& v, VelodyneSettings& p) {
                   "Azimuth at the full second, in hundredths of a degree.");
       },
       "Locks the rotor to the pulse per second.");
-  v.text("serial", p.serial_number, "Serial number, as the web interface tells it.");
+  v.text("serial", p.serial_number, "Serial number, as the web interface shows it.");
   if (!model.status_channel) {
     v.boolean("legacy_factory_bytes", p.legacy_factory_bytes,
               "Factory bytes are zero, as in firmware before 2.2.20.");
@@ -258,7 +258,7 @@ void visit(fields::Visitor& v, VelodyneSettings& p) {
              "From power-on to the first packet; 0 = it runs already.");
   v.group(
       "clock", [&p](fields::Visitor& w) { visit_clock(w, p); },
-      "How it keeps and is told the time.");
+      "Its clock, and where it gets the time from.");
   if (model.position_layout == PositionLayout::inertial) {
     v.group(
         "inertial",

@@ -147,7 +147,7 @@ struct NoContactCriterion {
 };
 struct NoSlipCriterion {
   static constexpr fields::Named kNamed{
-      "no_slip", "The host kept up: simulated time never gave way to the wall's."};
+      "no_slip", "The host kept up: simulated time never fell behind the wall clock."};
 };
 struct ProgramExitCriterion {
   static constexpr fields::Named kNamed{"program_exit",

@@ -288,7 +288,7 @@ CampaignTable read_rows(const fs::path& folder) {
     CampaignRow row;
     row.index = whole<std::size_t>(planned, line[0]);
     if (!indices.insert(row.index).second) {
-      throw std::invalid_argument(fmt::format("{}: index {} stands in two lines, allowed each once",
+      throw std::invalid_argument(fmt::format("{}: index {} occurs in two lines, allowed each once",
                                               planned.name, row.index));
     }
     row.seed = whole<std::uint64_t>(planned, line[1]);

@@ -188,7 +188,8 @@ class NoContact final : public Watch {
     const Json* const contact = find_path(*moment.record, "contact");
     if (contact == nullptr) {
       throw std::invalid_argument(
-          "no_contact: this machine meets no obstacles, allowed a level of it that does");
+          "no_contact: this machine has no contact with obstacles, allowed a level of detail that "
+          "has");
     }
     seen_ = true;
     if (!at_s_ && contact->at("touching").get<bool>()) {
@@ -199,7 +200,7 @@ class NoContact final : public Watch {
   }
   [[nodiscard]] Verdict verdict(const RunEvidence&) const override {
     return {seen_ && !at_s_, at_s_,
-            at_s_ ? fmt::format("{} met {}", body_, with_) : "touched nothing",
+            at_s_ ? fmt::format("{} hit {}", body_, with_) : "touched nothing",
             seen_ ? "" : "no record"};
   }
 
@@ -219,7 +220,7 @@ class NoSlip final : public Watch {
     return {passed,
             passed || first.empty() ? std::nullopt
                                     : std::optional(first.at(0).at("sim_s").get<double>()),
-            passed ? "the host kept up" : "simulated time gave way to the host",
+            passed ? "the host kept up" : "simulated time fell behind the wall clock",
             fmt::format("{:.3f} s", evidence.report.at("slipped_s").get<double>())};
   }
 };

@@ -36,7 +36,7 @@ void declare(CLI::App& app, Parsed& parsed) {
 
   const auto log_level = [&](CLI::App* verb) {
     verb->add_option("--log-level", parsed.log_level,
-                     "Least of what is told on standard error: debug, info, warning or error")
+                     "Lowest level of messages on standard error: debug, info, warning or error")
         ->capture_default_str();
   };
 
@@ -44,7 +44,7 @@ void declare(CLI::App& app, Parsed& parsed) {
   rig(run_app);
   run_app->add_option(
       "--clock", parsed.clock,
-      "real, free (as fast as possible), scaled:X, step (time moves when told), or\n"
+      "real, free (as fast as possible), scaled:X, step (time moves on request), or\n"
       "drained (as fast as clients take what they are sent)");
   run_app->add_option("--patience", parsed.patience,
                       "With --clock drained: how long clients are waited for, 1 s or another "
@@ -82,11 +82,11 @@ void declare(CLI::App& app, Parsed& parsed) {
   run_app->add_option("--control", parsed.control,
                       "Where the run is governed from (rigwire ctl): unix:FILE or 127.0.0.1:PORT");
   run_app->add_flag("--dashboard", parsed.dashboard,
-                    "A page that shows the run, for a browser; its address is told in the log");
+                    "A page that shows the run, for a browser; its address is in the log");
   run_app
       ->add_option("--isolated", parsed.isolated,
                    "Wires, addresses and files of its own, in a folder that is new or empty:\n"
-                   "any number of runs stand side by side; run.json there tells them")
+                   "any number of runs may run side by side; run.json there lists them")
       ->check([](const std::string& folder) {
         return folder.empty() ? "found \"\", allowed the path of a folder" : "";
       });
@@ -115,7 +115,7 @@ void declare(CLI::App& app, Parsed& parsed) {
                         "in mm, labels by number");
   picture_app->add_option("--travel", parsed.travel,
                           "Speed at which the machine drives straight ahead from the start, for\n"
-                          "example 20km/h; it stands without");
+                          "example 20km/h; without, it does not move");
   picture_app->add_option("-o,--output", parsed.output, "The PNG file; - is standard output")
       ->required();
   picture_app->footer(
@@ -133,7 +133,7 @@ void declare(CLI::App& app, Parsed& parsed) {
       ->required();
   ctl_app->add_option("keys", parsed.request,
                       "KEY=VALUE of the verb, and at=TIME; of record the folder, of set\n"
-                      "NAME=VALUE of the machine's set points, without a value: let go");
+                      "NAME=VALUE of the machine's set points, without a value: released");
   ctl_app->add_flag("--follow", parsed.follow,
                     "Of events: each as it comes, a line of JSON, to the end of the run");
   ctl_app
@@ -147,7 +147,7 @@ void declare(CLI::App& app, Parsed& parsed) {
       "  rigwire ctl unix:/tmp/control record /tmp/dig --only gnss,truth\n"
       "  rigwire ctl unix:/tmp/control set boom=0.5\n"
       "  rigwire ctl unix:/tmp/control events --follow\n"
-      "The token of a run at a port stands in the variable RIGWIRE_CONTROL_TOKEN.");
+      "The variable RIGWIRE_CONTROL_TOKEN has the token of a run at a port.");
 
   CLI::App* record_app =
       app.add_subcommand("record", "What a recording holds, a piece or a table of it");
@@ -172,17 +172,17 @@ void declare(CLI::App& app, Parsed& parsed) {
   replay_app->add_option("folder", parsed.recording, "As run --record had it")->required();
   replay_app->add_flag(
       "--verify", parsed.verify,
-      "Run the recorded configuration with its clients again, on wires that nobody\n"
-      "hears, and name the first byte of each wire that differs (exit code 5)");
+      "Run the recorded configuration with its clients again, on wires without\n"
+      "listeners, and name the first byte of each wire that differs (exit code 5)");
   replay_app->add_flag("--json", parsed.json, "What --verify found, as JSON");
   replay_app->add_option("--clock", parsed.clock, "real, free, scaled:X");
   replay_app->add_flag("--loop", parsed.loop, "Begins again at its end");
   replay_app->add_option("--speed", parsed.speed, "How much faster than it was, 0.001 .. 1000");
   replay_app->add_flag(
       "--dashboard", parsed.dashboard,
-      "Run the recorded configuration with its clients again, on wires that nobody\n"
-      "hears, and show it on a page on which time goes to any instant; its address\n"
-      "is told in the log");
+      "Run the recorded configuration with its clients again, on wires without\n"
+      "listeners, and show it on a page on which time goes to any instant; its address\n"
+      "is in the log");
   replay_app->add_option("--control", parsed.control,
                          "With --dashboard: as of run; `seek` sends it to an instant");
   replay_app->add_option("--ready-fd", parsed.ready_fd, "With --dashboard: as of run");
@@ -281,8 +281,8 @@ void declare(CLI::App& app, Parsed& parsed) {
                           "rig:RIG#DEVICE[@BAUD] of ours");
   conform_app->add_option("ids", conform.wanted,
                           "Cases, or the begin of some at a slash: modbus/6.3; all without");
-  CLI::Option* listed =
-      conform_app->add_flag("--list", conform.list, "Print the cases; ask nobody");
+  CLI::Option* listed = conform_app->add_flag("--list", conform.list,
+                                              "Print the cases without connecting to a device");
   CLI::Option* profile =
       conform_app->add_option("--profile", conform.profile, "YAML file of what the device claims");
   CLI::Option* make = conform_app

@@ -254,8 +254,7 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
       return refuse_control(parsed.control, "--control", terminal, "run");
     }
   } else if (clock->kind == ClockMode::Kind::step && !parsed.dashboard) {
-    return usage("--clock step: nobody could move time on, found no --control", terminal.err,
-                 "run");
+    return usage("--clock step needs --control or --dashboard", terminal.err, "run");
   }
   options.control_token = token_of_environment();
   options.dashboard = parsed.dashboard;

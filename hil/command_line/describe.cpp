@@ -65,8 +65,7 @@ std::string text_of(const DescribedType& type) {
   std::string text = fmt::format(
       "{}: {}\n\nwire      {}\nfollows   {}\npage      {}\nfaults    {}\n", type.named.name,
       type.named.text, description.wire, description.document, page_file(description.page),
-      type.has_faults ? "its key `faults`, below"
-                      : "none of its own; those of the wire that it is on");
+      type.has_faults ? "its key `faults`, below" : "none; see those of its wire");
   if (!type.live_keys.empty()) {
     std::vector<std::string> keys;
     std::ranges::transform(type.live_keys, std::back_inserter(keys),

@@ -183,7 +183,7 @@ Finding lidar_source_port() {
 
 Finding geoid() {
   if (::access(kEgm96File, R_OK) == 0) {
-    return {"geoid", Health::good, "EGM96 is at hand", ""};
+    return {"geoid", Health::good, "EGM96 is installed", ""};
   }
   return {"geoid", Health::limited,
           fmt::format("no {}: {}; rigs with `origin.geoid: egm96` do not start", kEgm96File,
@@ -240,7 +240,7 @@ Finding gs_usb_driver() {
 Finding usbip_program() {
   for (const char* path : {"/usr/sbin/usbip", "/usr/bin/usbip", "/sbin/usbip"}) {
     if (::access(path, X_OK) == 0) {
-      return {"usbip", Health::good, std::string(path) + " attaches devices by hand", ""};
+      return {"usbip", Health::good, std::string(path) + " attaches devices on request", ""};
     }
   }
   return {"usbip", Health::limited, "no program `usbip`", "sudo apt-get install usbip"};

@@ -363,7 +363,7 @@ std::string endpoint_of_wire(const std::string& wire, const std::string& rate,
   const std::string behind = wire.starts_with("/") ? wire : wire.substr(scheme.size() + 1);
   std::string endpoint = scheme + ":" + behind.substr(0, behind.find(' ')) + rate;
   if (!conform::parse_endpoint(endpoint, {1, 1})) {
-    refuse("rig device " + device, wire, "a device on TCP, UDP, CAN or a serial line of its own");
+    refuse("rig device " + device, wire, "a device with its own TCP, UDP, CAN or serial endpoint");
   }
   return endpoint;
 }

@@ -186,7 +186,7 @@ void visit(fields::Visitor& v, FaultClearCommand& p) {
 
 void visit(fields::Visitor& v, EventsCommand& p) {
   v.integer("since", p.since, fields::IntegerRule{0},
-            "Number of the last event that is known; those after it are told.");
+            "Number of the last event that is known; the answer has those after it.");
   v.boolean("wait", p.wait, "The answer comes when there is a newer one, or the run ends.");
 }
 
@@ -199,12 +199,12 @@ void visit(fields::Visitor& v, RecordCommand& p) {
 
 void visit(fields::Visitor& v, SetCommand& p) {
   v.text("on", p.on,
-         "What is set: the machine, the air, or a device of those that `read` tells what is "
-         "`settable` of.");
+         "What is set: the machine, the air, or a device for which `read` lists something "
+         "`settable`.");
   v.required("set");
   v.text(
       "set", p.set,
-      "An object, or text. Of the machine set points by their names, null lets one go to the "
+      "An object, or text. Of the machine set points by their names, null releases one to the "
       "client again; of the air what is in it beside the rig's weather, {rain: 5 mm/h, fog: 40 m, "
       "snow: null}; of a device keys as in a rig's file.");
 }

@@ -22,36 +22,35 @@
 namespace rigwire::hil {
 
 struct StateCommand {
-  static constexpr fields::Named kNamed{"state", "Which run it is, and whether its time goes on."};
+  static constexpr fields::Named kNamed{"state", "Which run it is, and whether it is paused."};
 };
 struct PauseCommand {
-  static constexpr fields::Named kNamed{"pause", "Time stands."};
+  static constexpr fields::Named kNamed{"pause", "Pauses simulated time."};
 };
 struct ResumeCommand {
-  static constexpr fields::Named kNamed{"resume", "Time goes on."};
+  static constexpr fields::Named kNamed{"resume", "Resumes simulated time."};
 };
 struct RunUntilCommand {
-  static constexpr fields::Named kNamed{
-      "run_until", "Time goes on to an instant and stands there; then comes the answer."};
+  static constexpr fields::Named kNamed{"run_until",
+                                        "Runs to an instant and pauses there; answers then."};
 
   Duration time{0};  ///< From the start of the run.
 };
 struct SeekCommand {
   static constexpr fields::Named kNamed{
       "seek",
-      "Of a recording that is shown: time goes to an instant before or after now, as fast as it "
-      "goes, and on from there or stands as it did."};
+      "In a replay: moves to an instant before or after now, as fast as possible, and goes on "
+      "from there, paused if it was paused."};
 
   Duration time{0};  ///< From the start of the run.
 };
 struct StepCommand {
-  static constexpr fields::Named kNamed{
-      "step", "Time goes on for a while and stands again; then comes the answer."};
+  static constexpr fields::Named kNamed{"step", "Runs for a while and pauses again; answers then."};
 
   Duration length = std::chrono::milliseconds{1};
 };
 struct SpeedCommand {
-  static constexpr fields::Named kNamed{"speed", "Another pace, where the clock has one."};
+  static constexpr fields::Named kNamed{"speed", "Changes the pace, where the clock has one."};
 
   double factor = 1.0;  ///< Simulated seconds per second of wall time.
 };
@@ -62,8 +61,8 @@ struct ReadCommand {
 struct WaitCommand {
   static constexpr fields::Named kNamed{
       "wait",
-      "Time goes on until a quantity of the machine is where it is wanted; then comes the "
-      "answer, and time stands if it stood before."};
+      "Runs until a quantity of the machine reaches a value; answers then, and pauses if it "
+      "was paused before."};
 
   std::string quantity;                       ///< As `read` names it.
   bool above = true;                          ///< Wanted above the value, else below.
@@ -72,7 +71,7 @@ struct WaitCommand {
 };
 struct FaultAddCommand {
   static constexpr fields::Named kNamed{
-      "fault_add", "One fault more, of a kind that its target can have; fault_list tells them."};
+      "fault_add", "Adds a fault of a kind that its target can have; fault_list lists the kinds."};
 
   std::string on;     ///< Name of a device, "bus NAME" or "modbus NAME".
   std::string fault;  ///< Its keys as in a rig's file: "{type: jamming, for: 5 s}".
@@ -106,8 +105,8 @@ struct RecordCommand {
 struct SetCommand {
   static constexpr fields::Named kNamed{
       "set",
-      "A hand takes set points of the machine, beside its client's, or lets them go, or brings "
-      "rain, snow or fog into the air; or a device is told some of its keys, as its own "
+      "Overrides set points of the machine, or releases them; sets rain, snow or fog; or changes "
+      "settings of a device, as its own configuration software would."
       "configuration software would."};
 
   std::string on = "machine";  ///< Or "air", or a device.

@@ -310,7 +310,7 @@ std::string control_api() {
       {"properties",
        {{"ok", {{"type", "boolean"}}},
         {"time_ns", {{"type", "integer"}, {"description", "Simulated time of the answer."}}},
-        {"paused", {{"type", "boolean"}, {"description", "Whether time stands."}}},
+        {"paused", {{"type", "boolean"}, {"description", "Whether simulated time is paused."}}},
         {"what", {{"type", "string"}, {"description", "Why it was not done."}}},
         {"path", {{"type", "string"}, {"description", "Key that is wrong."}}},
         {"found", {{"type", "string"}}},

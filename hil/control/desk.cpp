@@ -80,9 +80,9 @@ void Desk::carry_out_parsed(ParsedRequest parsed, Answer answer, Asker asker) {
   Request& request = *parsed.request;
   if (run_.shown != nullptr && changes_the_run(request.command)) {
     refuse(answer, Reply::Outcome::refused,
-           {{"what", "this run has been, nobody changes it"},
+           {{"what", "read-only: this is a replay"},
             {"path", "verb"},
-            {"allowed", "seek, pause, resume, speed, run_until, step, wait and what only tells"}});
+            {"allowed", "seek, pause, resume, speed, run_until, step, wait and what only reads"}});
     return;
   }
   if (queue_.size() >= kMaxQueued && kStart + request.at > executive_.now()) {
@@ -359,7 +359,7 @@ void Desk::act(const FaultListCommand&, const Answer& answer) {
 
 void Desk::act(const EventsCommand& command, const Answer& answer) {
   if (run_.events == nullptr) {
-    refuse(answer, Reply::Outcome::refused, {{"what", "this run tells no events"}});
+    refuse(answer, Reply::Outcome::refused, {{"what", "this run has no events"}});
   } else if (command.wait && run_.events->last() <= command.since) {
     listening_.emplace_back(command, answer);
     if (listening_.size() > kMaxListeners) {

@@ -209,12 +209,12 @@ Ruling LiveChanges::set_machine(const SetCommand& command, const Value& keys) {
     orders.push_back({row, row.value});
     held_[row.name] = entry.value.scalar;
     tell(EventKind::set, row.name,
-         fmt::format("a hand sets {} to {}", row.name, entry.value.scalar));
+         fmt::format("manual override: {} = {}", row.name, entry.value.scalar));
   }
   for (const std::string& name : released) {
     orders.push_back({*settings.find(name), std::nullopt});
     held_.erase(name);
-    tell(EventKind::released, name, fmt::format("a hand lets {} go", name));
+    tell(EventKind::released, name, fmt::format("manual override: {} released", name));
   }
   const SimTime from = parts_.executive.soonest_request();
   for (const Hand::Order& order : orders) {
@@ -237,7 +237,7 @@ Ruling LiveChanges::set_air(const Value& keys) {
     if (of == kAirKeys.end() || !(lets_go || entry.value.kind == Value::Kind::scalar)) {
       const bool unknown = of == kAirKeys.end();
       return wrong(
-          {{"what", unknown ? "no hand brings that into the air" : "no value"},
+          {{"what", unknown ? "unknown kind of weather" : "no value"},
            {"path", printable(shortened(entry.key))},
            {"found", printable(entry.value.description())},
            {"allowed", unknown ? join_words(air_names()) : "a value with its unit, or null"}});
@@ -274,7 +274,8 @@ Ruling LiveChanges::set_air(const Value& keys) {
     if (change.value) {
       tell(EventKind::set, std::string(kAir), fmt::format("{} is set to {}", kind, *change.value));
     } else {
-      tell(EventKind::released, std::string(kAir), fmt::format("a hand lets {} go", kind));
+      tell(EventKind::released, std::string(kAir),
+           fmt::format("manual override: {} released", kind));
     }
   }
   for (auto& [of, brought] : begun) {

@@ -66,7 +66,7 @@ export class Hands {
 
   showPaused(paused) {
     this.paused = paused;
-    this.parts.pause.textContent = paused ? "Go on" : "Pause";
+    this.parts.pause.textContent = paused ? "Resume" : "Pause";
   }
 
   record() {
@@ -178,7 +178,7 @@ export class Hands {
     });
     const release = document.createElement("button");
     release.type = "button";
-    release.textContent = "Let go";
+    release.textContent = "Release";
     release.addEventListener("click", () => {
       input.value = 0;
       this.ask("set", { on: "air", set: { [kind]: null } });
@@ -212,7 +212,7 @@ export class Hands {
       });
       const release = document.createElement("button");
       release.type = "button";
-      release.textContent = "Let go";
+      release.textContent = "Release";
       release.addEventListener("click", () => this.ask("set", { set: { [name]: null } }));
       row.dataset.stick = name;
       row.append(label, input, shown, release);
@@ -223,7 +223,7 @@ export class Hands {
 
   // What happened to a set point, by whatever hand: the page's, `ctl`'s, a program's.
   note({ kind, where, text }) {
-    if (where === "air" || !text.startsWith("a hand ")) return; // what a device is told holds nothing
+    if (where === "air" || !text.startsWith("manual override: ")) return; // settings of a device are not held
     if (kind === "set") this.held.set(where, text.slice(text.lastIndexOf(" ") + 1));
     else if (kind === "released") this.held.delete(where);
     else return;

@@ -36,7 +36,7 @@ run.addEventListener("status", ({ detail }) => {
 const recent = new Recent();
 run.listen("/status", (status) => {
   recent.take(status);
-  part("time").textContent = `${(status.time_ns * 1e-9).toFixed(2)} s${status.paused ? ", stands" : ""}`;
+  part("time").textContent = `${(status.time_ns * 1e-9).toFixed(2)} s${status.paused ? ", paused" : ""}`;
   part("clock").textContent = status.clock;
   part("slipped").textContent = `${status.slipped_s.toFixed(2)} s`;
   const pace = recent.pace();

@@ -133,7 +133,7 @@ export class Plots {
   hold(end_s) {
     this.heldAt_s = end_s;
     this.parts.hold.setAttribute("aria-pressed", String(end_s !== null));
-    this.parts.hold.textContent = end_s === null ? "Hold" : "Go on";
+    this.parts.hold.textContent = end_s === null ? "Hold" : "Resume";
     this.draw();
   }
 

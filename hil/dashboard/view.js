@@ -15,6 +15,8 @@ const FARTHEST_RANGE_M = 60; // end of the colours
 const RINGS = 32;
 const EARTH_M = 6378137;
 const NEWTONS_PER_M = 20000; // of a force's arrow
+const QUICK_MS = 25; // for one picture
+const LONGEST_REST_MS = 1000; // a tab that was hidden took no time to draw
 
 // From blue (near) by green and yellow to red.
 function rainbow(share, colours, at) {
@@ -46,6 +48,8 @@ export class View {
     this.models = new Map(); // url -> promise of [{geometry, material}]
     this.clouds = new Map(); // topic -> {points, count, clouds, received}
     this.fixes = new Map(); // device -> {spheres, latest}
+    this.drawnAt = 0; // ms
+    this.rested = true; // since then
     this.count = { frames: 0, transforms: 0, clouds: 0, points: 0 };
     this.pathAt = null;
     this.beforeDrawing = () => {}; // of what is drawn here by others
@@ -57,7 +61,7 @@ export class View {
     run.listen("/antenna", (place) => this.showAntenna(place));
     run.addEventListener("topics", () => this.hearDevices());
     this.hearDevices();
-    this.draw();
+    this.draw(0);
   }
 
   setUp() {
@@ -424,9 +428,19 @@ export class View {
     this.controls.update();
   }
 
-  draw() {
-    requestAnimationFrame(() => this.draw());
+  // A picture that took long, as one that a processor draws, is followed by a pause as long: the page may be
+  // open on the machine that runs in real time. A browser calls again when the picture before is drawn.
+  draw(now) {
+    const took = now - this.drawnAt;
+    if (took > QUICK_MS && !this.rested) {
+      this.rested = true;
+      setTimeout(() => requestAnimationFrame((later) => this.draw(later)), Math.min(took, LONGEST_REST_MS));
+      return;
+    }
+    requestAnimationFrame((later) => this.draw(later));
     if (!this.inSight) return;
+    this.rested = false;
+    this.drawnAt = now;
     this.follow();
     this.beforeDrawing();
     this.renderer.render(this.scene, this.camera);

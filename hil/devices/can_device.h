@@ -285,7 +285,9 @@ class CanDeviceOf : public Device {
   FaultyBackend<Backend> samples_;
   StationOf<Backend> station_;
   std::function<std::string(SimTime, const DeviceConfiguration&, std::string_view)> tell_ =
-      [](SimTime, const DeviceConfiguration&, std::string_view) { return "it hears nobody"; };
+      [](SimTime, const DeviceConfiguration&, std::string_view) {
+        return "this device has no settings that can be changed at run time";
+      };
 };
 
 /// What a device on a CAN bus does there, asked of its emulator.

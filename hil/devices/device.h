@@ -110,7 +110,7 @@ class Device {
   /// its type. Why it does not take that; empty: it has.
   [[nodiscard]] virtual std::string tell(SimTime /*now*/, const DeviceConfiguration& /*wanted*/,
                                          std::string_view /*key*/) {
-    return "it hears nobody";
+    return "this device has no settings that can be changed at run time";
   }
 
   /// What others may be joined with; null where there is none.

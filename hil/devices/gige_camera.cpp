@@ -317,9 +317,9 @@ void GigeCameraConfiguration::visit(fields::Visitor& v) {
   v.boolean("allow_remote", allow_remote, "Permits addresses and clients outside this machine.");
   v.only_if(allow_remote, "allow_remote", "allow_remote: true", [this](fields::Visitor& w) {
     w.text("netmask", netmask, "Of the camera's network; only clients in it are answered.");
-    w.text("gateway", gateway, "What the camera tells of its gateway.");
+    w.text("gateway", gateway, "Gateway that the camera reports.");
   });
-  v.text("mac", mac, "Hardware address that it tells; empty = made from the address.");
+  v.text("mac", mac, "Hardware address that it reports; empty = made from the address.");
   v.file("settings_file", settings_file, fields::FileKind::memory,
          "What a client saved (name, persistent address); empty = lasts as long as the run.");
   emulators::visit(v, camera);

@@ -42,7 +42,7 @@ struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration
     v.vector3("position", position_m, in("m").between(-1e5, 1e5),
               "Place of the antenna from the scene's origin: east, north, up.");
     v.vector3("claim_offset", claim_offset_m, in("m").between(-1e5, 1e5),
-              "By which the place that it tells is off: east, north, up. Its rovers are, too.");
+              "Error of its reported position: east, north, up. Its rovers have the same error.");
     v.integer("station", station, fields::IntegerRule{0, 4095},
               "Number that it calls itself by (DF003).");
     v.texts("messages", messages,

@@ -136,7 +136,7 @@ class NtripCasterDevice final : public Device, private EventSource {
   [[nodiscard]] const emulators::Device& emulator() const override { return caster_; }
   [[nodiscard]] std::vector<NamedCount> counts() const override {
     const emulators::NtripCasterCounters& counters = caster_.counters();
-    return {{"frames heard", counters.frames},
+    return {{"frames received", counters.frames},
             {"requests refused", counters.refused},
             {"requests timed out", counters.timed_out}};
   }

@@ -186,7 +186,7 @@ class ReplayDevice final : public Device, private EventSource {
       text += "; left out or unknown: " + text_of_notes(piece.notes);
     }
     if (alignment_) {
-      text += fmt::format("; by GPS time its stamps are {:.6f} s {} ({}, told {} times)",
+      text += fmt::format("; by GPS time its stamps are {:.6f} s {} ({}, found {} times)",
                           1e-9 * std::abs(static_cast<double>(alignment_->ahead_ns)),
                           alignment_->ahead_ns < 0 ? "ahead" : "behind", alignment_->by,
                           alignment_->told);

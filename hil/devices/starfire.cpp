@@ -201,7 +201,7 @@ void StarFireConfiguration::visit(fields::Visitor& v) {
   v.text("path", path, "Symbolic link to the pty; what a client opens; empty = no serial line.");
   v.only_if(!path.empty(), "path", "a path: there is no serial line", [this](fields::Visitor& w) {
     w.integer("ports", ports, kPorts, kSerialPortsText);
-    w.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
+    w.choice("check_baud", check_baud, kBaudChecks, "When a client receives garbage.");
   });
   v.text("bus", bus, "Name of the rig's bus that the device is on; empty = on none.");
   emulators::visit(v, receiver);

@@ -18,7 +18,8 @@ namespace rigwire::hil {
 struct StarFireConfiguration final : DeviceConfigurationOf<StarFireConfiguration> {
   std::string path =
       "/tmp/rigwire/starfire";  ///< Symbolic link to the pty; empty = no serial line.
-  unsigned ports = 1;           ///< Of the serial line: all hear the device, which hears the first.
+  unsigned ports =
+      1;  ///< Of the serial line: all receive from the device, which receives from the first.
   BaudCheck check_baud = BaudCheck::lenient;
   std::string bus;           ///< One of the rig's buses; empty = no node.
   MountConfiguration mount;  ///< Of the antenna.

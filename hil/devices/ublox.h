@@ -21,7 +21,7 @@ enum class SerialWire { pty, usb };
 struct UbloxConfiguration final : DeviceConfigurationOf<UbloxConfiguration> {
   SerialWire wire = SerialWire::pty;
   std::string path = "/tmp/rigwire/gnss";  ///< Symbolic link to the pty that a client opens.
-  unsigned ports = 1;  ///< On a pty: all hear the device, which hears the first.
+  unsigned ports = 1;  ///< On a pty: all receive from the device, which receives from the first.
   BaudCheck check_baud = BaudCheck::lenient;
   MountConfiguration mount;  ///< Of the antenna.
   emulators::UbloxSettings receiver;

@@ -25,7 +25,7 @@ namespace {
 constexpr std::array<Choice<LeverSource>, 2> kLeverSources{
     {{LeverSource::script, "script", "The keyframes of `script`."},
      {LeverSource::commands, "commands",
-      "What the rig's valves are told, as an operator by the ISO pattern would."}}};
+      "The commands of the rig's valves, as an operator with the ISO pattern would give them."}}};
 
 using SampleFault = emulators::SampleFault<JoystickSample>;
 
@@ -187,7 +187,7 @@ DevicePlan UsbJoystickConfiguration::plan(const RigView& rig) const {
       fmt::format("when moved, each {} at most", fields::print_duration(joystick.interval.count())),
       "",
       source == LeverSource::script ? fmt::format("{} keyframes", script.size())
-                                    : "as the valves are told"};
+                                    : "as the valves are commanded"};
 }
 
 std::optional<BusShare> UsbJoystickConfiguration::bus_share(std::string_view /*name*/) const {

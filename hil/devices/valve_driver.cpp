@@ -112,7 +112,7 @@ emulators::ValveDriverSettings driver_settings(const ValveDriverConfiguration& c
 }
 
 void ValveDriverConfiguration::visit(fields::Visitor& v) {
-  v.text("line", line, "One of the rig's Modbus lines; empty = a TCP server of its own.");
+  v.text("line", line, "One of the rig's Modbus lines; empty = its own TCP server.");
   v.integer("unit", unit, IntegerRule{1, 247}, "Number of the Modbus unit on its line.");
   v.only_if(line.empty(), "line", "no line, which has its own", [this](fields::Visitor& w) {
     w.text("address", address, "Address at which the server listens.");
@@ -125,7 +125,7 @@ void ValveDriverConfiguration::visit(fields::Visitor& v) {
          "Registers from a file (docs/your-own-valve.md); empty: Rigwire's own.");
   emulators::visit(v, driver);
   v.list("faults", faults,
-         "What happens to coils, spools, sensors, supply, surroundings and the line of its own.");
+         "What happens to coils, spools, sensors, supply, surroundings and its own line.");
 }
 
 void ValveDriverConfiguration::validate() const {

@@ -123,7 +123,7 @@ GpsAlignment find_gps_alignment(const ReplaySourceSettings& settings) {
   }
   if (found.told == 0) {
     throw std::invalid_argument(fmt::format(
-        "source.align: {}: nothing in it tells the GPS time with its date, allowed RMC, ZDA, UBX "
+        "source.align: {}: it has no GPS time with a date, allowed RMC, ZDA, UBX "
         "NAV-PVT or NAV-TIMEUTC of a receiver that has a fix, position packets of a Velodyne with "
         "GPRMC, stamps of CAN frames since 1970",
         settings.file));

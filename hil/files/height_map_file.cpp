@@ -77,7 +77,7 @@ Grid grid_at(int epsg, const OriginPlace& origin, const std::string& who) {
   throw std::invalid_argument(fmt::format(
       "{}its coordinate system is {}; georeferenced maps need EPSG 326zz, 327zz, 258zz (UTM), 4326 "
       "or 4258 (degrees)",
-      who, epsg == 0 ? "not told" : fmt::format("EPSG {}", epsg)));
+      who, epsg == 0 ? "unknown" : fmt::format("EPSG {}", epsg)));
 }
 
 /// Heights that are missing become the lowest there are, or are refused.
@@ -127,7 +127,7 @@ Layout lay_out(const sim::HeightMapTerrain& map, const GeoRaster& raster, const 
   double pixel_y = map.pixel_m;
   if (map.pixel_m == 0.0) {
     if (!raster.pixel) {
-      throw std::invalid_argument(who + "does not tell the size of its pixels; give `pixel`");
+      throw std::invalid_argument(who + "has no size of its pixels; give `pixel`");
     }
     pixel_x = std::abs(raster.pixel->first) * grid.metres_x;
     pixel_y = std::abs(raster.pixel->second) * grid.metres_y;

@@ -139,7 +139,7 @@ std::unique_ptr<sim::MotionTrack> MotionContents::track(std::size_t link) const 
   if (with_rates) {
     if (settings_.smoothing != Duration{0}) {
       refuse_motion(settings_.file,
-                    "has accelerations of its own, which no smoothing changes: leave "
+                    "has its own accelerations, which smoothing does not change: leave "
                     "machine.motion.smoothing out");
     }
     return std::make_unique<sim::MotionTrack>(std::move(times), motions);

@@ -371,7 +371,7 @@ class LogReader final : public ReplayReader {
     if (first == pieces_.end()) {
       refuse_replayed(
           settings.file,
-          "nothing tells when it was: found no capture, no candump log, no index beside it, no "
+          "it has no times: found no capture, no candump log, no index beside it, no "
           "time in an intact GGA, RMC, GLL, GNS, GBS, GST or ZDA or in UBX NAV or RXM-RAWX");
     }
     std::size_t before = 0;
@@ -478,7 +478,7 @@ void visit(fields::Visitor& v, ReplaySourceSettings& p) {
   v.required("file");
   v.file("file", p.file, fields::FileKind::replay,
          "Capture (pcap, pcapng), candump log, .bytes of a recording, or log of NMEA or UBX.");
-  v.choice("direction", p.direction, kReplayedDirections, "Of captures that tell directions.");
+  v.choice("direction", p.direction, kReplayedDirections, "For captures that record directions.");
   v.text("wire", p.wire, "Of a file with several: the interface's name; empty = the only one.");
   v.text("from_address", p.from_address, "Datagrams from there only; empty = from anywhere.");
   v.integer("from_port", p.from_port, IntegerRule{0, 65535}, "Datagrams from that port; 0 = any.");

@@ -305,7 +305,7 @@ std::vector<WavefrontMaterial> read_wavefront_materials(std::string_view text,
       return;
     }
     if (materials.empty()) {
-      refuse(who, line, fmt::format("{}: stands before the first newmtl", keyword));
+      refuse(who, line, fmt::format("{}: found before the first newmtl", keyword));
     }
     if (idle) {
       return;

@@ -224,7 +224,7 @@ void WholeFile::write(std::string_view text) const {
   }
   const Descriptor opened(drivers::open_for_reader(file_, after(kReaderPatience)));
   if (!opened.open()) {
-    throw std::runtime_error(cannot(errno == ENXIO ? "nobody reads it" : reason(errno)));
+    throw std::runtime_error(cannot(errno == ENXIO ? "it has no reader" : reason(errno)));
   }
   write_through(Output(opened.get()), text);
 }
@@ -247,7 +247,7 @@ GrowingFile::GrowingFile(std::string what, const std::string& path, OutputFailur
           : ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kNewFileMode));
   if (!opened.open()) {
     refuse(what_, shown_,
-           errno == ENXIO ? "nobody reads it" : "cannot be written: " + reason(errno));
+           errno == ENXIO ? "it has no reader" : "cannot be written: " + reason(errno));
   }
   output_.emplace(opened.get());
 }

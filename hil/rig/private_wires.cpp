@@ -19,10 +19,11 @@ RigConfiguration made_private(const RigConfiguration& recorded, const std::files
   RigConfiguration rig = with(recorded, replacements);
   for (auto& [name, bus] : rig.buses) {
     if (bus.ports != 1 || bus.socketcand.port != 0) {
-      remarks.push_back(fmt::format(
-          "bus {}: what clients of further ports (ports, socketcand) sent stands as the devices', "
-          "and is not given again",
-          name));
+      remarks.push_back(
+          fmt::format("bus {}: frames that clients sent at further ports (ports, socketcand) count "
+                      "as the devices' "
+                      "and are not replayed",
+                      name));
     }
     bus.ports = 1;
     bus.socketcand.port = 0;

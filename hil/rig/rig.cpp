@@ -68,24 +68,16 @@ sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
 }
 
 /// What soil that is poured out may fall on: the fixed objects of the scene, found by a ray. A
-/// truck's box catches what falls into it; the machine's own links do not.
+/// truck's box catches what falls into it; the machine's links and loose bodies do not.
 class SceneFallObstacle final : public sim::FallObstacle {
  public:
   /// `scene` must outlive it. Nothing is caught before the scene's first slice.
   explicit SceneFallObstacle(const sim::Scene& scene) : scene_(scene) {}
 
   [[nodiscard]] bool catches(const Eigen::Vector3d& from_W, double terrain_m) const override {
-    constexpr double kClear_m = 0.1;  // The rays' terrain lags behind the one that is dug.
+    constexpr double kClear_m = 0.1;  // What lies flat on the ground catches nothing.
     const double reach_m = from_W.z() - terrain_m - kClear_m;
-    const auto now = scene_.slice_end();
-    if (!now || !(reach_m > 0.0)) {
-      return false;
-    }
-    std::uint32_t mask = sim::Scene::kSeeEverything;
-    for (sim::Scene::BodyId body = 0; body < scene_.body_count(); ++body) {
-      mask &= ~sim::Scene::body_mask(body);
-    }
-    return scene_.cast(from_W, -Eigen::Vector3d::UnitZ(), 0.0, reach_m, *now, mask).has_value();
+    return reach_m > 0.0 && scene_.fixed_within(from_W, -Eigen::Vector3d::UnitZ(), reach_m);
   }
 
  private:
@@ -273,7 +265,9 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration, Run
       if (shape.link == link) {
         result.scene->add_body_part(body, add_shape(*result.scene, shape.placed.shape),
                                     pose(shape.placed.position_m, shape.placed.rotation),
-                                    {shape.placed.reflectance, shape.placed.label});
+                                    {.reflectance = shape.placed.reflectance,
+                                     .label = shape.placed.label,
+                                     .retro_gain = shape.placed.retro_gain});
       }
     }
   }
@@ -440,8 +434,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   }
   for (const auto& [name, end] : own.buses) {
     if (!configuration_.buses.contains(name)) {
-      throw std::invalid_argument(
-          fmt::format("the rig has no bus '{}' for an end of its own", name));
+      throw std::invalid_argument(fmt::format("the rig has no bus '{}'", name));
     }
   }
   for (const auto& [name, bus] : configuration_.buses) {

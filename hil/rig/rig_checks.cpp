@@ -88,12 +88,12 @@ class Checker {
       check_.link(fmt::format("machine.shapes.{}.link", i), machine.shapes[i].link);
     }
     if (machine.model->drives() && !faulty("machine.position") && machine.position_m.z != 0.0) {
-      check_.report("machine.position.2", "the machine stands on the terrain by itself",
+      check_.report("machine.position.2", "the machine is placed on the terrain automatically",
                     fields::shortest(machine.position_m.z) + " m", "0 m");
     }
     if (machine.model->drives() && !machine.on_ground) {
-      check_.report("machine.on_ground", "the machine stands on the terrain by itself", "false",
-                    "true");
+      check_.report("machine.on_ground", "the machine is placed on the terrain automatically",
+                    "false", "true");
     }
   }
 

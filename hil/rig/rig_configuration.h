@@ -92,7 +92,7 @@ inline void visit(fields::Visitor& v, RigConfiguration& p) {
   v.duration("lead", p.lead, {10'000, 1'000'000'000},
              "How far truth is computed ahead of the clock; at least a slice.");
   v.section("origin", p.origin, "Of the world frame (x east, y north, z up) on Earth.");
-  v.section("satellites", p.satellites, "What stands in the sky, for all receivers.");
+  v.section("satellites", p.satellites, "Satellites in the sky, for all receivers.");
   v.section("scene", p.scene, "Terrain, rocks, objects.");
   v.required("machine");
   v.section("machine", p.machine, "The machine.");

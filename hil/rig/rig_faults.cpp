@@ -160,7 +160,7 @@ RigFaults::Numbered RigFaults::end(SimTime now, Id id) {
   if (!known || !ports_[entry->port].port->end(entry->id, now)) {
     const bool was = known || (id >= 1 && id <= last_id_);
     throw NoSuchFault(was ? "that fault is over" : "there is no fault of that number", "id",
-                      std::to_string(id), "one of those that fault_list tells, and not over");
+                      std::to_string(id), "a number of fault_list whose fault is not over");
   }
   std::erase_if(waits_, [id](const Wait& wait) { return wait.number == id; });
   const std::vector<Numbered> all = list();

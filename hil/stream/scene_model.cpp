@@ -347,8 +347,8 @@ std::string SceneModel::apply(const ViewChange& change) {
   std::vector<const std::string*> told;
   if (change.dug && !terrains_.empty()) {
     Terrain& ground = terrains_.front();
-    const sim::NodeRectangle& dug = *change.dug;
-    auto height = change.heights_m.begin();
+    const sim::NodeRectangle& dug = change.dug->nodes;
+    auto height = change.dug->heights_m.begin();
     for (std::size_t r = dug.first_row; r <= dug.last_row; ++r) {
       for (std::size_t c = dug.first_column; c <= dug.last_column; ++c) {
         ground.field.heights_m[r * ground.field.columns + c] = *height++;

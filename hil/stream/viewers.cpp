@@ -82,13 +82,12 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
   void tick(std::uint64_t time_ns) {
     time_ = std::make_shared<const std::string>(foxglove::time_frame(time_ns));
     if (dropped_ != told_dropped_) {
-      answer_text(text_of(
-          {{"op", "status"},
-           {"level", kWarning},
-           {"id", "dropped"},
-           {"message", fmt::format("{} messages were dropped: this viewer reads more slowly than "
-                                   "the run tells",
-                                   dropped_)}}));
+      answer_text(text_of({{"op", "status"},
+                           {"level", kWarning},
+                           {"id", "dropped"},
+                           {"message", fmt::format("this viewer is too slow: {} messages were "
+                                                   "dropped",
+                                                   dropped_)}}));
       told_dropped_ = dropped_;
     }
     socket_->wake();

@@ -44,9 +44,8 @@ inline void visit(fields::Visitor& v, SocketcandConfiguration& p) {
     w.text("address", p.address, "Address at which it listens.");
     w.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
     w.boolean("beacon", p.beacon, "Makes itself known by a datagram to UDP port 42000.");
-    w.integer(
-        "error_mask", p.error_mask, fields::IntegerRule{0, 0x1FFF'FFFF},
-        "Classes of error frames that clients are told, as the kernel numbers them; 0 = none.");
+    w.integer("error_mask", p.error_mask, fields::IntegerRule{0, 0x1FFF'FFFF},
+              "Classes of error frames that clients receive, numbered as in the kernel; 0 = none.");
   });
 }
 
@@ -77,11 +76,11 @@ inline void visit(fields::Visitor& v, BusConfiguration& p) {
       [&p](fields::Visitor& w) { w.text("interface", p.interface, "The interface's name."); });
   v.only_if(may_be(CanWire::slcan), "wire", "wire: slcan or auto", [&p](fields::Visitor& w) {
     w.text("path", p.path, "Symbolic link to the pty, what a client opens.");
-    w.integer(
-        "ports", p.ports, kPorts,
-        "Ports of the bus, `path`, `path.1` ...: each a node of its own, for a program of its "
-        "own. A SocketCAN interface takes any number of programs as it is.");
-    w.choice("slcan_dialect", p.slcan_dialect, kSlcanDialects, "What a client is told.");
+    w.integer("ports", p.ports, kPorts,
+              "Ports of the bus, `path`, `path.1` ...: each a separate node for a separate "
+              "program. A SocketCAN interface takes any number of programs as it is.");
+    w.choice("slcan_dialect", p.slcan_dialect, kSlcanDialects,
+             "What the adapter answers to a client.");
   });
   v.only_if(may_be(CanWire::gs_usb), "wire", "wire: gs_usb or auto", [&p](fields::Visitor& w) {
     w.boolean("attach", p.attach,

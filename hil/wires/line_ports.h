@@ -38,7 +38,8 @@ inline constexpr fields::IntegerRule kPorts{1, 16};
 
 /// The key of a serial device.
 inline constexpr const char* kSerialPortsText =
-    "Ports of the line, `path`, `path.1` ...: all hear the device, which hears the first.";
+    "Ports of the line, `path`, `path.1` ...: all receive from the device, which receives from the "
+    "first.";
 
 /// What a client of the port opens; the first has the number 0.
 [[nodiscard]] inline std::string port_path(const std::string& path, unsigned port) {

@@ -65,7 +65,7 @@ inline void visit(fields::Visitor& v, ModbusLineConfiguration& p) {
   v.only_if(!is_tcp, "wire", "wire: rtu", [&p](fields::Visitor& keys) {
     keys.text("path", p.path, "Symbolic link to the pty; what a client opens.");
     visit(keys, p.line);
-    keys.choice("check_baud", p.check_baud, kBaudChecks, "When a client hears garbage.");
+    keys.choice("check_baud", p.check_baud, kBaudChecks, "When a client receives garbage.");
   });
   v.section("response_delay", p.response_delay, "Time from a request to its answer.");
   v.list("faults", p.faults, "What goes wrong on the line, and when.");

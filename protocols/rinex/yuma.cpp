@@ -70,10 +70,10 @@ class YumaReader {
         continue;
       }
       if (!open_) {
-        lines_.fail("\"" + std::string(quantity.name) + "\" stands before the first \"****\" line");
+        lines_.fail("\"" + std::string(quantity.name) + "\" is before the first \"****\" line");
       }
       if (seen_[i]) {
-        lines_.fail("\"" + std::string(quantity.name) + "\" stands twice in one block");
+        lines_.fail("\"" + std::string(quantity.name) + "\" is twice in one block");
       }
       const double value = lines_.number(line.substr(colon + 1), quantity.name);
       if (!(value >= quantity.least && value < quantity.beyond)) {

@@ -288,7 +288,7 @@ Decoded<Reply> parse_reply(Line line) {
     }
     case 'A':
       if (line.size() != 1) {
-        return Malformed{"A stands alone", 1};
+        return Malformed{"A has no arguments", 1};
       }
       reply.kind = ReplyKind::all_polled;
       return {reply, 1};
@@ -319,7 +319,7 @@ Decoded<Reply> parse_reply(Line line) {
         }
         reply.time_stamp_ms = static_cast<std::uint16_t>(*stamp);
       } else if (rest != 0) {
-        return Malformed{"after the data stands nothing, or a time stamp", frame.consumed()};
+        return Malformed{"only a time stamp may follow the data", frame.consumed()};
       }
       return {reply, line.size()};
     }

@@ -79,7 +79,7 @@ Recognition recognize(const DataPacket& packet) {
     return {by_id, {}};
   }
   if (has(kFlagLasers32To63)) {
-    return {nullptr, "an HDL-64E: S2 or S3 is told by its status channel, not by one packet"};
+    return {nullptr, "an HDL-64E: its status channel says S2 or S3, one packet does not"};
   }
   if (by_id != nullptr && by_id->blocks_per_firing == 1) {
     return {by_id, {}};

@@ -219,6 +219,16 @@ def _write_all(descriptor: int, block: bytes) -> None:
         view = view[os.write(descriptor, view) :]
 
 
+def _await_end(folder: Path) -> None:
+    """Returns when the recording has its end, or after ten seconds."""
+    until = time.monotonic() + 10.0
+    while time.monotonic() < until:
+        told = description(folder)
+        if told is None or told.get("end_ns") is not None:
+            return
+        time.sleep(POLL_S)
+
+
 def capture(interface: Interface, fifo: Path, history: bool) -> None:
     if interface.control is None:
         assert interface.folder is not None
@@ -231,8 +241,13 @@ def capture(interface: Interface, fifo: Path, history: bool) -> None:
         try:
             follow(interface, folder, fifo, history=True)
         finally:
+            # The folder goes when the run has written its last file into it, however often the
+            # capture is asked to stop.
+            for number in (signal.SIGTERM, signal.SIGINT):
+                signal.signal(number, signal.SIG_IGN)
             with contextlib.suppress(Failed):  # the run is over
                 _Control(interface.control).ask("record", stop=True)
+                _await_end(folder)
     finally:
         shutil.rmtree(parent, ignore_errors=True)
 

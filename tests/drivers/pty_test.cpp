@@ -96,7 +96,7 @@ TEST_F(PtyTest, a_relative_path_in_a_working_folder_that_is_deleted_is_told_in_w
   link = "gnss";
   const std::string said = refusal();
   fs::current_path(before);
-  EXPECT_THAT(said, HasSubstr("the working folder cannot be told"));
+  EXPECT_THAT(said, HasSubstr("the working folder is unknown"));
 }
 
 TEST_F(PtyTest, PublishesALinkInANewDirectoryAndRemovesIt) {

@@ -142,6 +142,25 @@ TEST(CanArbitration, AllIdentifiersEqualAndAllFramesEqual) {
   EXPECT_EQ(bus.error_frames(), 0U);
 }
 
+// Only receivers acknowledge (ISO 11898-1), so that both see an acknowledgement error, wait
+// for the same time and meet again; a passive sender no longer counts these errors.
+TEST(CanArbitration, EqualFramesOfBothNodesMeetForeverUntilAThirdNodeAcknowledges) {
+  for (const bool third : {false, true}) {
+    FrameRecorder outside;
+    CanBusModel bus({});
+    FrameOutput& node = bus.add_node(outside);
+    if (third) {
+      (void)bus.add_node(outside);
+    }
+    node.send(kStart, extended(0x0CF02A80));
+    bus.receive(kStart, extended(0x0CF02A80));
+    bus.advance(kStart + 60s);
+    EXPECT_EQ(bus.counters(node).sent, third ? 1U : 0U);
+    EXPECT_EQ(bus.counters(node).queued, third ? 0U : 1U);
+    EXPECT_NE(bus.controller(node).state, protocols::can::ErrorState::bus_off);
+  }
+}
+
 TEST(CanArbitration, AllIdentifiersEqualWithDifferentDataEndsInErrorsAndAllArrive) {
   FrameRecorder outside;
   CanBusModel bus({});

@@ -57,7 +57,7 @@ class CampaignRows : public testing::Test {
         {"first_failure", nullptr},
         {"criteria",
          {{"whole",
-           {{"passed", passed}, {"at_s", nullptr}, {"text", "cab met trunk"}, {"detail", ""}}}}},
+           {{"passed", passed}, {"at_s", nullptr}, {"text", "cab hit trunk"}, {"detail", ""}}}}},
         {"track", {{0.0, 1.0, 2.0}, {1.0, 2.0, 3.0}}}};
     if (!passed) {
       result["first_failure"] = "whole";
@@ -153,7 +153,7 @@ TEST_F(CampaignRows, tables_are_made_anew_and_read_by_sqlite) {
       folder_ / "output");
   ASSERT_EQ(sqlite.wait(std::chrono::seconds{30}).value_or(-1), 0) << sqlite.output();
   EXPECT_EQ(sqlite.output(),
-            "[(2.0, 2)] [(1, 'cab met trunk', 9.0)] [('kind', None), ('mass', 't')] [('ok',)]\n");
+            "[(2.0, 2)] [(1, 'cab hit trunk', 9.0)] [('kind', None), ('mass', 't')] [('ok',)]\n");
 }
 
 TEST_F(CampaignRows, a_table_of_another_plan_is_refused) {
@@ -175,7 +175,7 @@ TEST_F(CampaignRows, the_report_tells_rate_classes_groups_and_the_worst) {
   EXPECT_THAT(text, HasSubstr("mass  0 .. 1 t: 2 of 2"));
   EXPECT_THAT(text, HasSubstr("mass  6 .. 7 t: 0 of 2"));
   EXPECT_THAT(text, HasSubstr("kind  even: 2 of 4"));
-  EXPECT_THAT(text, HasSubstr("4  whole: cab met trunk (runs 4, 5, 6, 7)"));
+  EXPECT_THAT(text, HasSubstr("4  whole: cab hit trunk (runs 4, 5, 6, 7)"));
   EXPECT_THAT(text, HasSubstr("rigwire campaign run /c.yaml --index 7 -o again"));
   EXPECT_EQ(worst_runs(table).front()->index, 7u) << "it failed first";
   const std::string page = report_page(table, {});

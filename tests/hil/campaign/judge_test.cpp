@@ -106,7 +106,7 @@ TEST_F(Judge, a_contact_is_told_with_what_met) {
   const Verdict met = verdict(NoContactCriterion{});
   EXPECT_FALSE(met.passed);
   EXPECT_EQ(met.at_s, 7.0);
-  EXPECT_EQ(met.text, "cab met trunk");
+  EXPECT_EQ(met.text, "cab hit trunk");
   drive(10);
   EXPECT_TRUE(verdict(NoContactCriterion{}).passed);
 }

@@ -295,7 +295,7 @@ TEST(CommandLine, the_pages_table_of_settings_is_the_programs) {
   std::ifstream page(RIGWIRE_SOURCE_DIR "/docs/control.md");
   std::set<std::vector<std::string>> rows;  // key, pattern, by
   std::string line;
-  while (std::getline(page, line) && !line.starts_with("| key | of | told as |")) {
+  while (std::getline(page, line) && !line.starts_with("| key | of | same as |")) {
   }
   while (std::getline(page, line) && line.starts_with('|')) {
     static const std::regex row(R"(\| `([a-z0-9_.]+)` \| (.*) \| (.*) \|)");
@@ -368,7 +368,7 @@ TEST(CommandLine, describe_says_whether_faults_can_be_ordered) {
   EXPECT_THAT(rigwire("describe ublox-neo-7p").output, HasSubstr("faults    its key `faults`"));
   for (const char* without : {"usb-passthrough", "replay"}) {
     EXPECT_THAT(rigwire("describe " + std::string(without)).output,
-                HasSubstr("faults    none of its own"))
+                HasSubstr("faults    none; see those of its wire"))
         << without;
   }
 }

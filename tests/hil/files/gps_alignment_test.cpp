@@ -133,7 +133,7 @@ TEST_F(GpsAlignments, FramesAreByTheirStampsSince1970) {
   EXPECT_EQ(found.ahead_ns, 0);
   EXPECT_EQ(found.first_utc_ns, kEight_ns + 250'000'000);
   EXPECT_THAT(refusal(file("b.log", "(12.250000) can0 18FEF100#01\n")),
-              HasSubstr("nothing in it tells the GPS time"));
+              HasSubstr("it has no GPS time with a date"));
 }
 
 TEST_F(GpsAlignments, AFileWithoutADateIsRefused) {
@@ -143,7 +143,7 @@ TEST_F(GpsAlignments, AFileWithoutADateIsRefused) {
   EXPECT_THAT(refusal(file("b.nmea", rmc("080000.00", 'V'))), HasSubstr("that has a fix"));
   std::string wrong = rmc("080000.00");
   wrong[10] = '9';  // its checksum no longer holds
-  EXPECT_THAT(refusal(file("c.nmea", wrong)), HasSubstr("nothing tells when it was"));
+  EXPECT_THAT(refusal(file("c.nmea", wrong)), HasSubstr("it has no times"));
 }
 
 TEST_F(GpsAlignments, TwoRecordersArePlayedInStep) {

@@ -112,7 +112,7 @@ TEST_F(ContactWatchTest, ABouncingContactIsOne) {
   EXPECT_EQ(events[0].kind, EventKind::contact_begun);
   EXPECT_EQ(events[0].at, kStart + 10ms);
   EXPECT_EQ(events[0].where, "bucket");
-  EXPECT_EQ(events[0].text, "bucket meets rock with 5.00 kN");
+  EXPECT_EQ(events[0].text, "bucket hits rock with 5.00 kN");
   EXPECT_EQ(events[1].kind, EventKind::contact_ended);
   EXPECT_EQ(events[1].at, kStart + 170ms) << "0.1 s after the last touch that was seen";
 }
@@ -124,7 +124,7 @@ TEST_F(ContactWatchTest, AnotherObstacleIsAnotherContact) {
   ASSERT_EQ(events.size(), 3U);
   EXPECT_EQ(events[1].kind, EventKind::contact_ended);
   EXPECT_EQ(events[1].text, "bucket is clear of rock");
-  EXPECT_EQ(events[2].text, "bucket meets trunk with 5.00 kN");
+  EXPECT_EQ(events[2].text, "bucket hits trunk with 5.00 kN");
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ std::vector<nlohmann::json> iso_valve_rig_run(Duration duration) {
     Controller controller((wires.folder / "valves").string());
     EXPECT_TRUE(controller.is_open());
     rig.executive().add(controller);
-    const RunOutcome outcome = rig.executive().run_free(kStart + duration);
+    const RunOutcome outcome = rig.executive().run_paced({}, kStart + duration);
     EXPECT_FALSE(outcome.fault.has_value()) << *outcome.fault;
   }
   std::vector<nlohmann::json> lines;

@@ -83,8 +83,7 @@ TEST_F(SceneModelTest, EveryModelIsAnAssetAndNothingElseIs) {
 TEST_F(SceneModelTest, DugGroundRenewsItsTilesAlone) {
   const Json before = Json::parse(model_.whole());
   ViewChange change;
-  change.dug = sim::NodeRectangle{10, 10, 11, 10};
-  change.heights_m = {0.5, 0.25};
+  change.dug = {.nodes = {10, 10, 11, 10}, .heights_m = {0.5, 0.25}};
   const Json update = Json::parse(model_.apply(change));
   ASSERT_EQ(update["entities"].size(), 1U);
   const Json& tile = update["entities"][0];
@@ -99,8 +98,8 @@ TEST_F(SceneModelTest, DugGroundRenewsItsTilesAlone) {
 
 TEST_F(SceneModelTest, ANodeOnABorderRenewsBothTiles) {
   ViewChange change;
-  change.dug = sim::NodeRectangle{SceneModel::kTileCells, 3, SceneModel::kTileCells, 3};
-  change.heights_m = {0.5};
+  change.dug = {.nodes = {SceneModel::kTileCells, 3, SceneModel::kTileCells, 3},
+                .heights_m = {0.5}};
   EXPECT_EQ(Json::parse(model_.apply(change))["entities"].size(), 2U);
 }
 

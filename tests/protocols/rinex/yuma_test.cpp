@@ -55,9 +55,8 @@ TEST(Yuma, ErrorsNameLineValueAndWhatIsAllowed) {
             "almanac.yuma:5: Time of Applicability is \"  31948x.0000\", allowed is a finite "
             "number");
   EXPECT_EQ(yuma_refusal_of(std::string(kYuma) + "ID: 5\n"),
-            "almanac.yuma:15: \"ID\" stands twice in one block");
-  EXPECT_EQ(yuma_refusal_of("ID: 5\n"),
-            "almanac.yuma:1: \"ID\" stands before the first \"****\" line");
+            "almanac.yuma:15: \"ID\" is twice in one block");
+  EXPECT_EQ(yuma_refusal_of("ID: 5\n"), "almanac.yuma:1: \"ID\" is before the first \"****\" line");
   EXPECT_EQ(yuma_refusal_of(""),
             "almanac.yuma:0: no almanac found, expected lines from \"******** Week ...\" on");
 }

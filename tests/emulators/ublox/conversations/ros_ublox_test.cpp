@@ -48,7 +48,7 @@ class RosUblox final : public Driver {
         last_tow_ms = frame->u32(0);
       }
       if (frame->kind == 0x05 && frame->id == 0x00) {
-        return give_up("a NAK that nobody asked for");
+        return give_up("a NAK of data that was not requested");
       }
     }
     const double rate_hz = fixes / to_seconds(time);

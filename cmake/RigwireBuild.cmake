@@ -107,10 +107,10 @@ endfunction()
 
 # rigwire_library(<folder> [INTERNAL] [BY_FOLDER] [BYTES <count>] SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
 #
-# Declares one folder of the house as the static library rigwire_<folder> with the alias
+# Declares one folder of the tree as the static library rigwire_<folder> with the alias
 # rigwire::<folder>. Its headers are reachable as "<folder>/name.h", and only by targets that link
 # it: the include directory is a link of its own per folder, so that an include against the design
-# (docs/architecture.md, "One way through the house") does not compile.
+# (docs/architecture.md, "Folders") does not compile.
 #
 # It is installed with its headers, as a component of the package rigwire (cmake/package.cmake);
 # INTERNAL: it is not. BY_FOLDER, BYTES: as of rigwire_compile_together.
@@ -151,7 +151,7 @@ endfunction()
 
 # A test of ctest that computes takes a processor: so many places of `ctest -j`. One that waits for
 # other programs or for the clock takes one place. ./check gives as many places for each processor.
-set(RIGWIRE_PLACES 2)
+set(RIGWIRE_PLACES 3)
 if(RIGWIRE_SANITIZE)
   set(RIGWIRE_PLACES 1)  # there a live test computes, too
 endif()

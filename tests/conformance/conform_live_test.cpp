@@ -87,9 +87,7 @@ INSTANTIATE_TEST_SUITE_P(
         Live{"j1939_engine", "j1939",
              "buses:\n  can: {}\ndevices:\n  engine: {type: engine-controller, bus: can}\n",
              "engine", "engine_controller.yaml",
-             "--writes j1939/5.4.4 j1939/5.10.2 j1939/5.10.3 "
-             "j1939/5.10.2.4 j1939-81",
-             17, true},
+             "--writes j1939/5.4.4 j1939/5.10.3 j1939/5.10.2.4 j1939-81", 17, true},
         Live{
             "iso_valves", "iso11783-valves",
             "buses:\n  can: {}\ndevices:\n  valves: {type: iso-valves, bus: can, first_valve: 1}\n",

@@ -74,12 +74,19 @@ def drive(opening, seconds, broken=0):
         bus.send(can.Message(arbitration_id=512, is_extended_id=False, data=data))
         listen(0.02)
 
+def until(reached, go_on):
+    """A busy machine may hold up the rig, or this program."""
+    end = time.monotonic() + 60
+    while not reached() and time.monotonic() < end:
+        go_on()
+
 count = 0
 listen(1.0)
+until(lambda: any(name == 'Slope' for name, _, _ in heard), lambda: listen(0.2))
 start = last('Slope', 'Pitch')
-drive(40.0, 1.0)
+until(lambda: last('Spools', 'BoomSpool') > 30.0, lambda: drive(40.0, 0.5))
 driven = {'spool': last('Spools', 'BoomSpool'), 'echo': last('Spools', 'EchoBoom')}
-listen(0.6)
+until(lambda: abs(last('Spools', 'BoomSpool')) < 0.2, lambda: listen(0.3))
 silent = last('Spools', 'BoomSpool')
 drive(80.0, 0.4, broken=1)
 refused = {'spool': last('Spools', 'BoomSpool'), 'echo': last('Spools', 'EchoBoom')}

@@ -221,9 +221,19 @@ TEST_F(GigeCameraPrograms, gstreamer_and_opencv_read_pictures) {
   std::filesystem::permissions(scratch_.folder, std::filesystem::perms::all);
   ::setenv("GST_REGISTRY", (scratch_.folder / "registry.bin").c_str(), 1);
   const auto png = scratch_.folder / "picture.png";
-  run(unprivileged({"gst-launch-1.0", "aravissrc", "camera-name=" + address, "num-buffers=2", "!",
-                    "video/x-raw,format=GRAY8,width=640,height=480", "!", "videoconvert", "!",
-                    "pngenc", "snapshot=true", "!", "filesink", "location=" + png.string()}));
+  // The source ends its stream when no picture has come for two seconds, which a busy host may
+  // need.
+  std::string said;
+  ASSERT_TRUE(eventually([&] {
+    ChildProcess launch(
+        unprivileged({"gst-launch-1.0", "aravissrc", "camera-name=" + address, "num-buffers=2", "!",
+                      "video/x-raw,format=GRAY8,width=640,height=480", "!", "videoconvert", "!",
+                      "pngenc", "snapshot=true", "!", "filesink", "location=" + png.string()}),
+        scratch_.folder / "launch.log");
+    const bool ended_well = launch.wait() == 0;
+    said = launch.output();
+    return ended_well;
+  })) << said;
   ASSERT_TRUE(std::filesystem::exists(png));
   EXPECT_GT(std::filesystem::file_size(png), 20'000U);
 
@@ -233,7 +243,6 @@ import sys, cv2
 still = cv2.imread(sys.argv[2], cv2.IMREAD_GRAYSCALE)
 assert still.shape == (480, 640)
 assert still.std() > 5, 'nothing to see'
-# The source ends its stream when no picture has come for two seconds, which a busy host may need.
 for attempt in range(10):
     stream = cv2.VideoCapture('aravissrc camera-name=' + sys.argv[1] +
                               ' ! video/x-raw,format=GRAY8,width=640,height=480 ! appsink',

@@ -233,7 +233,7 @@ TEST_F(ReplayedRig, ShownGoesToAnyInstantAndIsTheSameThereEachTime) {
   EXPECT_EQ(ask({"seek", "time=1s"})["time_ns"], 1'000'000'000);
   EXPECT_EQ(machine(), at_end);
   EXPECT_THAT(ask({"seek", "time=2s"})["allowed"].get<std::string>(), HasSubstr("1 s"));
-  EXPECT_THAT(ask({"set", "boom=0.5"})["what"].get<std::string>(), HasSubstr("nobody changes it"));
+  EXPECT_THAT(ask({"set", "boom=0.5"})["what"].get<std::string>(), HasSubstr("read-only"));
   EXPECT_EQ(ask({"wait", "quantity=boom", "value=400", "limit=1h"})["time_ns"], 1'000'000'000);
   EXPECT_EQ(ask({"stop"})["ok"], true);
   EXPECT_EQ(replay.wait(), 0) << replay.output();

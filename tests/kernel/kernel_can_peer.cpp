@@ -195,6 +195,9 @@ void run(const std::string& address, std::uint32_t serial, std::chrono::seconds 
   emulators::CanBusModel bus({});
   bus.set_outside(outside);
   emulators::FrameOutput& node = bus.add_node(outside);
+  // A rig's bus has this node, too: without it, equal frames of this unit and of another one
+  // collide forever.
+  (void)bus.add_node(outside, {.name = "acknowledger"});
   const std::unique_ptr<Unit> unit = make_unit(kind, serial, node);
   emulators::CanDevice& device = unit->device();
   bus.attach(node, device);

@@ -20,16 +20,22 @@ timeout 60 cangen "$CAN" -g 0 -p 100 -n $frames -I 700 -L 8 -D i
 all_back() { [ "$(wc -l <flood)" -ge $frames ]; }
 wait_until 30 "all frames" all_back
 
+# The order on the wire is that of the stamps: a kernel with two processors may hand frames to a socket
+# in another one, when its thread for the adapter changes the processor.
+sort -s -k1,1 flood >by_stamp
+for ((i = 0; i < frames; i++)); do printf '%02X%02X000000000000\n' $((i % 256)) $((i / 256)); done >sent
+cut -d'#' -f2 by_stamp >arrived
+diff sent arrived
 # Consecutive frames are at least a frame's length apart: 111 bits without a stuff bit, 444 us (the
 # stamp is whole microseconds).
-awk '{gsub(/[()]/, "", $1); split($3, frame, "#"); number = substr(frame[2], 1, 4)
-      if (NR > 1) {
-        if ($1 * 1e6 - last < 443) early++
-        if (number == previous) same++
+awk '{gsub(/[()]/, "", $1)
+      if (NR > 1 && $1 * 1e6 - last < 443) {
+        early++
+        print "too close behind " before ": " $0
       }
-      last = $1 * 1e6; previous = number}
-     END {print "frames", NR, "closer than the wire allows", early + 0, "repeated", same + 0
-          exit (early + same) > 0}' flood
+      last = $1 * 1e6; before = $0}
+     END {print "frames", NR, "closer than the wire allows", early + 0
+          exit early > 0}' by_stamp
 kill "$recorder"
 
 # Without patience the kernel says that its queue is full.

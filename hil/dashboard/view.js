@@ -16,6 +16,7 @@ const RINGS = 32;
 const EARTH_M = 6378137;
 const NEWTONS_PER_M = 20000; // of a force's arrow
 const QUICK_MS = 25; // for one picture
+const REST = 3; // times as long as a picture that took longer
 const LONGEST_REST_MS = 1000; // a tab that was hidden took no time to draw
 
 // From blue (near) by green and yellow to red.
@@ -428,13 +429,13 @@ export class View {
     this.controls.update();
   }
 
-  // A picture that took long, as one that a processor draws, is followed by a pause as long: the page may be
+  // A picture that took long, as one that a processor draws, is followed by a pause thrice as long: the page may be
   // open on the machine that runs in real time. A browser calls again when the picture before is drawn.
   draw(now) {
     const took = now - this.drawnAt;
     if (took > QUICK_MS && !this.rested) {
       this.rested = true;
-      setTimeout(() => requestAnimationFrame((later) => this.draw(later)), Math.min(took, LONGEST_REST_MS));
+      setTimeout(() => requestAnimationFrame((later) => this.draw(later)), Math.min(REST * took, LONGEST_REST_MS));
       return;
     }
     requestAnimationFrame((later) => this.draw(later));

@@ -32,6 +32,9 @@ constexpr std::chrono::microseconds kTruthTurn{500};
 constexpr std::chrono::microseconds kServedPaced{200};
 constexpr std::chrono::milliseconds kServedFree{2};
 
+// A wire thread that wakes up this much later than it meant to was held up by the host.
+constexpr std::chrono::milliseconds kHeldUp{5};
+
 /// The hand-over of sample batches from the thread that computes truth to the thread that owns the
 /// devices: a ring of reused slots, bounded, so that truth never runs further ahead than the ring.
 /// First in, first out. The ring owns the slots; a pointer to one holds until publish() or
@@ -416,8 +419,15 @@ SimTime Executive::next_wakeup() const {
 }
 
 SimTime Executive::present() const {
-  return clock_ == nullptr ? now_
-                           : std::min(frontier_, clock_->at(std::chrono::steady_clock::now()));
+  if (clock_ == nullptr) {
+    return now_;
+  }
+  const WallTime wall = std::chrono::steady_clock::now();
+  SimTime instant = clock_->at(wall);
+  if (planned_ != kNever && wall - clock_->wall_of(planned_) > kHeldUp) {
+    instant = planned_ + (instant - planned_) / 2;
+  }
+  return std::min(frontier_, instant);
 }
 
 SimTime Executive::soonest_request(SimTime asked) {
@@ -462,6 +472,9 @@ void Executive::set_factor(double factor) {
 
 SimTime Executive::arrive() {
   woken_ = true;
+  if (clock_ != nullptr) {
+    watch_lag(clock_->at(std::chrono::steady_clock::now()));
+  }
   run_events(std::max(now_, present()));
   return now_;
 }
@@ -543,7 +556,9 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
 
   PacedClock clock(std::chrono::steady_clock::now(), settings.factor);
   clock_ = &clock;
+  pace_ = &settings;
   truth_thread_ = &truth;
+  planned_ = kNever;
   if (paused_) {
     clock.stand(kStart);
   }
@@ -564,8 +579,8 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
       fail(*fault);
       break;
     }
+    watch_lag(clock.at(std::chrono::steady_clock::now()));
     const SimTime wanted = clock.at(std::chrono::steady_clock::now());
-    watch_lag(settings, wanted);
     run_events(std::min({frontier_, wanted, end}));
     transmit_due(now_);
     collect_requests(requests);
@@ -583,8 +598,8 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     }
     if (!paused_) {
       const SimTime wakeup = std::min(next_wakeup(), end);
-      timer.arm(clock.wall_of(now_ < frontier_ ? std::min(wakeup, frontier_)
-                                               : now_ + settings.overrun_limit));
+      planned_ = now_ < frontier_ ? std::min(wakeup, frontier_) : now_ + settings.overrun_limit;
+      timer.arm(clock.wall_of(planned_));
     }
     woken_ = false;
     while (!woken_ && !stopped_) {
@@ -598,27 +613,28 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
 
   truth.join();
   if (stall_) {
-    end_stall(settings);
+    end_stall();
   }
   RunOutcome ended = outcome();
   clock_ = nullptr;
+  pace_ = nullptr;
   truth_thread_ = nullptr;
   return ended;
 }
 
-void Executive::watch_lag(const PacedSettings& settings, SimTime wanted) {
+void Executive::watch_lag(SimTime wanted) {
   if (stall_ && stall_->at < frontier_) {
-    end_stall(settings);
+    end_stall();
   }
-  const Duration lag = wanted - frontier_;
-  if (lag <= settings.overrun_limit) {
+  const Duration lag = wanted - std::min(frontier_, planned_);
+  if (lag <= pace_->overrun_limit) {
     behind_ = behind_ && lag > Duration{0};
     return;
   }
   if (behind_) {
     return;
   }
-  switch (settings.overrun) {
+  switch (pace_->overrun) {
     case OverrunPolicy::slip:
       // A stall longer than the limit makes the clock slip several times, and is one overrun.
       clock_->slip(lag);
@@ -626,28 +642,28 @@ void Executive::watch_lag(const PacedSettings& settings, SimTime wanted) {
       break;
     case OverrunPolicy::warn:
       behind_ = true;
-      report_overrun(settings, {frontier_, lag});
+      report_overrun({frontier_, lag});
       break;
     case OverrunPolicy::stop:
       fail(milliseconds_text(lag) + " behind the wall clock, allowed " +
-           milliseconds_text(settings.overrun_limit));
-      report_overrun(settings, {frontier_, lag});
+           milliseconds_text(pace_->overrun_limit));
+      report_overrun({frontier_, lag});
       break;
   }
 }
 
-void Executive::end_stall(const PacedSettings& settings) {
+void Executive::end_stall() {
   ++outcome_.slips;
-  report_overrun(settings, *std::exchange(stall_, std::nullopt));
+  report_overrun(*std::exchange(stall_, std::nullopt));
 }
 
-void Executive::report_overrun(const PacedSettings& settings, const Overrun& overrun) {
+void Executive::report_overrun(const Overrun& overrun) {
   ++outcome_.overruns;
   if (outcome_.first_overruns.size() < kOverrunsKept) {
     outcome_.first_overruns.push_back(overrun);
   }
-  if (settings.on_overrun) {
-    settings.on_overrun(overrun);
+  if (pace_->on_overrun) {
+    pace_->on_overrun(overrun);
   }
 }
 

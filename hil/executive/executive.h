@@ -137,6 +137,9 @@ class Executive {
   [[nodiscard]] const std::vector<Outlet*>& outlets() const { return outlets_; }
 
   /// For a handler that got bytes from a client: runs all devices up to the present and returns it.
+  /// Where the host has held this thread up, nobody knows when they came: the middle of that time
+  /// is taken for the present. So the host costs a client at most half of a stall on either side of
+  /// its bytes, and a device's time-out does not take the host for a client that fell silent.
   SimTime arrive();
 
   /// Ends the run after the present event; what is due by then still leaves. From any thread.
@@ -210,10 +213,11 @@ class Executive {
   [[nodiscard]] SimTime next_wakeup() const;
   [[nodiscard]] SimTime present() const;
   void fail(const std::string& what);
-  /// Acts as the policy says where the truth is too far behind `wanted`.
-  void watch_lag(const PacedSettings& settings, SimTime wanted);
-  void end_stall(const PacedSettings& settings);
-  void report_overrun(const PacedSettings& settings, const Overrun& overrun);
+  // While paced.
+  /// Acts as the policy says where the truth, or this thread, is too far behind `wanted`.
+  void watch_lag(SimTime wanted);
+  void end_stall();
+  void report_overrun(const Overrun& overrun);
   void wait_for(const ClientPatience& clients);
   /// Runs the handlers of the io_context that are ready, at least one, until that time is over.
   void serve(std::chrono::nanoseconds at_most);
@@ -228,7 +232,9 @@ class Executive {
   std::atomic<SimTime> reached_{kStart};  ///< The same for other threads.
   SimTime frontier_ = kStart;             ///< Samples are known up to here.
   PacedClock* clock_ = nullptr;           ///< Set while paced.
+  const PacedSettings* pace_ = nullptr;   ///< Set while paced.
   TruthThread* truth_thread_ = nullptr;   ///< Set while paced.
+  SimTime planned_ = kNever;              ///< When this thread means to be awake, while paced.
   std::unique_ptr<LateRequests> late_;    ///< Null: what is asked is followed in the next slice.
   std::vector<std::function<void(TruthRequests&)>> asked_;
   WireStages wire_stages_;

@@ -31,6 +31,8 @@ constexpr double kLidarHeight_m = 3.1;
 emulators::VehicleGatewaySettings settings(VehicleRig::Kind kind) {
   emulators::VehicleGatewaySettings settings;
   settings.source_address = 0x27;
+  // What is tried is the program: a busy host may hold it up, or be late to see that it has ended.
+  settings.timeouts = {1s, 1s, 1s, 1s, 1s, 1s};
   if (kind == VehicleRig::Kind::roller) {
     settings.steering = emulators::SteeringLayout::crab;
     settings.wheelbase_m = 3.4;

@@ -271,6 +271,54 @@ TEST(Executive, AStalledHostMakesTheClockSlipInsteadOfBursting) {
   EXPECT_EQ(outcome.overruns, outcome.slips);
 }
 
+TEST(Executive, WhatAClientSendsWhileTheHostHoldsTheWiresUpArrivesInTheMiddle) {
+  using Clock = std::chrono::steady_clock;
+  Rig rig(1ms);
+  PacedSettings settings;
+  settings.lead = 500ms;  // The truth is not what is late.
+  settings.overrun_limit = 10s;
+  SimTime before{};
+  SimTime after{};
+  Duration held_up{};
+  boost::asio::steady_timer timer(rig.io, 20ms);
+  timer.async_wait([&](const boost::system::error_code&) {
+    before = rig.executive.arrive();
+    const auto begin = Clock::now();
+    std::this_thread::sleep_for(60ms);
+    boost::asio::post(rig.io, [&, begin] {
+      held_up = Clock::now() - begin;
+      after = rig.executive.arrive();
+      rig.executive.stop();
+    });
+  });
+  const RunOutcome outcome = rig.executive.run_paced(settings, kNever);
+  EXPECT_GT(after - before, held_up / 4);
+  EXPECT_LT(after - before, held_up * 3 / 4);
+  EXPECT_EQ(outcome.slips, 0U);
+}
+
+TEST(Executive, AWireThreadThatIsHeldUpBeyondTheLimitMakesTheClockSlip) {
+  Rig rig(1ms);
+  PacedSettings settings;
+  settings.lead = 1s;
+  settings.overrun_limit = 100ms;
+  SimTime before{};
+  SimTime after{};
+  boost::asio::steady_timer timer(rig.io, 20ms);
+  timer.async_wait([&](const boost::system::error_code&) {
+    before = rig.executive.arrive();
+    std::this_thread::sleep_for(300ms);
+    boost::asio::post(rig.io, [&] {
+      after = rig.executive.arrive();
+      rig.executive.stop();
+    });
+  });
+  const RunOutcome outcome = rig.executive.run_paced(settings, kNever);
+  EXPECT_LT(after - before, 100ms) << "a time-out of a client would see the host's stall";
+  EXPECT_GE(outcome.slipped, 200ms);
+  EXPECT_EQ(outcome.slips, 1U);
+}
+
 TEST(Executive, EveryOverrunIsToldWithWhenAndHowFar) {
   Rig rig;
   rig.truth.slow = 20ms;

@@ -295,7 +295,7 @@ class AllRoundCamera final : public CameraSensor {
         joined_[to * bands + band] = static_cast<std::uint16_t>(rounded);
       }
       if (truth != nullptr) {
-        // Of the nearest pixel, at its own instant.
+        // Truth of the nearest pixel, at that pixel's own instant.
         const std::size_t nearest =
             static_cast<std::size_t>(b < 0.5F ? y : y + 1) * static_cast<std::size_t>(width) +
             static_cast<std::size_t>(a < 0.5F ? x : x + 1);
@@ -334,7 +334,7 @@ class AllRoundCamera final : public CameraSensor {
   }
 
   AllRoundCameraParameters parameters_;
-  /// Of the method rays one, with the picture's own lens.
+  /// `rays`: a single view with the picture's own lens.
   std::vector<std::unique_ptr<View>> views_;
   std::vector<Place> places_;  ///< Empty: rays.
   std::vector<std::uint16_t> joined_;

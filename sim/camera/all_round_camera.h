@@ -41,12 +41,13 @@ struct AllRoundCameraParameters {
   static constexpr fields::Named kNamed{"all_round", "One equirectangular image, 360 degrees."};
 
   AllRoundMethod method = AllRoundMethod::rays;
-  int width_px = 1024;  ///< Of the joined picture.
+  int width_px = 1024;  ///< Columns of the joined picture, 360 degrees.
   int height_px = 256;
   double elevation_upper_rad = 0.25 * std::numbers::pi;  ///< Upper edge of the first row.
   int views = 3;
-  /// `rays`: size of the sensor and geometry of the lens follow from the picture. `views`: of each;
-  /// its lens has no distortion, and the focal length that its share of the round asks for.
+  /// `rays`: the sensor's size and the lens's geometry follow from the picture. `views`: optics of
+  /// each view; its lens has no distortion, and the focal length follows from its share of the
+  /// circle.
   CameraParameters camera = optics();
 
  private:

@@ -30,7 +30,7 @@ class CameraAir {
   [[nodiscard]] bool clear() const { return even_pm_ == 0.0 && fog_pm_ == 0.0 && !dust_; }
 
   struct Depth {
-    double even = 0.0;  ///< Of everything but dust.
+    double even = 0.0;  ///< Optical depth of all media but dust.
     double dust = 0.0;
   };
   /// Along a unit vector.

@@ -28,11 +28,11 @@ using CameraKind = std::variant<CameraParameters, StereoCameraParameters, DepthC
 struct CameraAbilities {
   int width_px = 0;
   int height_px = 0;
-  std::vector<PixelFormat> formats;  ///< Of the image, the usual one first.
+  std::vector<PixelFormat> formats;  ///< Pixel formats of the image, the usual one first.
   bool binning = false;              ///< By 2 x 2; without it only 1 x 1 is taken.
   Duration row_time{0};              ///< 0: global shutter.
   PictureParts parts;
-  std::optional<ReportedGeometry> geometry;  ///< Of kinds with a third coordinate.
+  std::optional<ReportedGeometry> geometry;  ///< Empty for kinds without a third coordinate.
 };
 /// Throws std::invalid_argument as the kind's validate() does.
 [[nodiscard]] CameraAbilities abilities_of(const CameraKind& kind);

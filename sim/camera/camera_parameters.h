@@ -27,7 +27,7 @@ struct CameraParameters {
   int sky_rays = 0;
   double near_m = 0.05;   ///< Nearer than this nothing is seen.
   double far_m = 2000.0;  ///< Beyond this only sky and far ground.
-  int threads = 1;        ///< That render, the caller's included. Does not change pictures.
+  int threads = 1;        ///< Rendering threads with the caller's; pictures do not depend on it.
   std::vector<SurfaceLook> looks;
 };
 void visit(fields::Visitor& v, CameraParameters& p);

@@ -85,7 +85,8 @@ RTCIntersectContext coherent() {
   return context;
 }
 
-/// Which of the rays are stopped has tfar below 0 afterwards; rays already stopped stay so.
+/// Casts shadow rays at the scene: sets tfar of each blocked ray below 0. Rays that were blocked
+/// before stay blocked.
 void occlude(const Scene::Internals& scene, const int* valid, RTCRay8& rays) {
   RTCIntersectContext context = incoherent();
   rtcOccluded8(valid, scene.moving.get(), &context, &rays);
@@ -154,7 +155,7 @@ RIGWIRE_WIDE_VECTORS void store(const std::array<LaneArray, 3>& bands,
   }
 }
 
-/// Which of the lanes are seen by what has cast rays from them.
+/// Sets `seen` to 1 in each active lane whose ray was not blocked, and to 0 in all others.
 RIGWIRE_WIDE_VECTORS void see_through(const RTCRay8& rays, const std::array<int, kLanes>& active,
                                       LaneArray& seen) {
 #pragma GCC ivdep
@@ -166,7 +167,7 @@ RIGWIRE_WIDE_VECTORS void see_through(const RTCRay8& rays, const std::array<int,
 struct ShadowPacket {
   RTCRay8 rays;
   alignas(32) std::array<int, kLanes> active;
-  /// Those that something may stop: all that are cast.
+  /// Rays that something may block; only these are cast.
   alignas(32) std::array<int, kLanes> doubtful;
 };
 
@@ -266,7 +267,7 @@ struct CameraRenderer::Internals {
   };
   /// Mean of the parts of a pixel.
   struct PartsLight {
-    std::size_t pixel = 0;  ///< Of all that are rendered.
+    std::size_t pixel = 0;  ///< Index among all rendered pixels.
     std::array<float, 3> luminance{};
   };
   /// What all packets of a picture have in common.
@@ -283,12 +284,13 @@ struct CameraRenderer::Internals {
     PictureLimits limits;
     LightTerms light;
     RenderedPicture* picture = nullptr;
-    float* luminance = nullptr;  ///< Of all that is rendered.
+    float* luminance = nullptr;  ///< Luminance of all rendered pixels.
     float full_cd = 0.0F;        ///< Luminance on the axis that fills the range of numbers.
     RecordedPictureRays::Packets* record = nullptr;
     std::array<float, 3> airlight{};
     std::array<float, 3> dustlight{};
-    Eigen::Vector3f sky_offset = Eigen::Vector3f::Zero();  ///< Of Embree's origin from its own.
+    /// From the lattice of `job->sky` to Embree's origin.
+    Eigen::Vector3f sky_offset = Eigen::Vector3f::Zero();
     /// Points of the sun's disc, for several samples.
     std::array<Eigen::Vector3f, kSunPoints> on_sun;
   };
@@ -321,7 +323,7 @@ struct CameraRenderer::Internals {
     return static_cast<std::size_t>((frame.width + kTileWidth - 1) / kTileWidth) *
            static_cast<std::size_t>((frame.height + kTileHeight - 1) / kTileHeight);
   }
-  /// Of a lane among the picture's pixels.
+  /// Returns the index of a lane's pixel among the rendered pixels.
   [[nodiscard]] std::size_t pixel_at(const PixelPacket& packet, std::size_t lane) const {
     return static_cast<std::size_t>(packet.row + static_cast<int>(lane) / kPacketWidth) *
                static_cast<std::size_t>(frame.width) +
@@ -334,7 +336,7 @@ struct CameraRenderer::Internals {
   std::uint64_t key;
   WorkerPool pool;
 
-  // Of the picture that is being rendered; memory is used again.
+  // State of the picture that is being rendered; memory is used again.
   Frame frame;
   PixelRays pixels;
   SceneLooks looks;
@@ -646,6 +648,8 @@ void CameraRenderer::Internals::each_strip(std::size_t tile, const Work& work) c
   }
 }
 
+/// Casts all rays of a packet's pixels, one packet of samples after the other, and writes what each
+/// hit and the optical depth of the air up to there.
 void CameraRenderer::Internals::collect_rays(Packet& packet, PictureRays& found) const {
   HitSurfaces surfaces;
   const RTCRayHit8& rays = packet.pixels.rays;
@@ -849,6 +853,9 @@ void CameraRenderer::Internals::blur(int first_row, int end_row) const {
   }
 }
 
+/// Renders the luminance in tiles and pixels on edges anew with four rays each (refine_edges()),
+/// then blurs (lens_blur.h) and exposes (image_sensor.h) it in strips of rows. Tiles and strips are
+/// shared by the threads.
 void CameraRenderer::render(const Scene& scene, const PictureJob& job, RenderedPicture& picture) {
   Internals& in = *internals_;
   const bool blurred = neighbour_weight(in.parameters.lens.mtf, in.parameters.samples > 1) > 0.0F;

@@ -40,14 +40,14 @@ struct CameraPose {
 /// One picture to take.
 struct PictureJob {
   ReadOut read_out;
-  SimTime exposure_start{};  ///< Of the region's first row.
+  SimTime exposure_start{};  ///< Start of exposure of the region's first row.
   /// In order of time, at least two; they, and the scene's slice, span the exposure of all rows.
   std::vector<CameraPose> poses;
-  std::uint32_t mask = Scene::kSeeEverything;  ///< Of the camera's rays; shadows are of everything.
-  const Daylight* light = nullptr;             ///< Must be there.
+  std::uint32_t mask = Scene::kSeeEverything;  ///< Mask of the camera's rays; shadows ignore it.
+  const Daylight* light = nullptr;             ///< Must not be null.
   const CameraAir* air = nullptr;              ///< Null: clear.
   const SkyVisibility* sky = nullptr;          ///< Null: all of the sky, everywhere.
-  double wetness = 0.0;                        ///< Of the ground, 0 .. 1 (wetness_of()).
+  double wetness = 0.0;                        ///< Wetness of the ground, 0 .. 1 (wetness_of()).
   bool truth = false;  ///< Range, depth and instance of each pixel's middle, too.
 };
 
@@ -58,11 +58,12 @@ struct RenderedPicture {
   int width = 0;
   int height = 0;
   std::vector<std::uint16_t> numbers;  ///< Row by row, of the job's bits.
-  /// Of the scene on each pixel, red, green and blue, cd/m2, without sensor and vignetting.
+  /// Luminance of the scene at each pixel, red, green and blue, cd/m2, without the effects of
+  /// sensor and vignetting.
   std::vector<float> luminance;
-  double mean = 0.0;  ///< Of the numbers, share of full scale, black level taken off.
+  double mean = 0.0;  ///< Mean of `numbers` above the black level, share of full scale.
 
-  // Of each pixel's middle, at the middle of its exposure; empty unless asked for.
+  // Truth at each pixel's middle, at the middle of its exposure; empty unless asked for.
   std::vector<float> range_m;           ///< Along the ray; 0: nothing.
   std::vector<float> depth_m;           ///< Along the optical axis, z in the lens's frame C.
   std::vector<std::uint32_t> instance;  ///< Scene::InstanceId; ~0: none.
@@ -74,13 +75,13 @@ struct PictureRays {
   int height = 0;
   int rays = 0;                    ///< Per pixel: a square number.
   std::vector<float> range_m;      ///< 0: nothing.
-  std::vector<float> cosine;       ///< Of the angle of incidence, 0 .. 1.
+  std::vector<float> cosine;       ///< Cosine of the angle of incidence, 0 .. 1.
   std::vector<float> reflectance;  ///< Diffuse, at the lidar's wavelength.
   std::vector<float> depth;        ///< Optical depth of the air on the way; empty: clear.
 };
 
-/// Of the rays towards the sun: all, or those that are not certain to come through
-/// (shadow_ceiling.h), which a picture casts.
+/// Selects rays towards the sun: all, or only those that something may block (shadow_ceiling.h). A
+/// picture casts only the latter.
 enum class ShadowRays { all, doubtful };
 
 /// All rays of a picture, primary and towards the sun, to be cast bare: for benchmarks.
@@ -117,7 +118,8 @@ class CameraRenderer {
   /// that does not fit: read-out, poses that are not finite or do not span the exposure, no light.
   void render(const Scene& scene, const PictureJob& job, RenderedPicture& picture);
 
-  /// Of `picture` only size, range, depth and instance, as render() with `job.truth` has them.
+  /// Writes only size, range, depth and instance to `picture`, equal to render()'s with
+  /// `job.truth`.
   void measure(const Scene& scene, const PictureJob& job, RenderedPicture& picture);
 
   /// A lattice of so many by so many rays in each pixel, spread over the exposure as render()'s

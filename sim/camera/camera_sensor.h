@@ -24,18 +24,18 @@ namespace rigwire::sim {
 /// One exposure to take.
 struct CameraShot {
   CameraCommand command;    ///< Region, binning, format and parts.
-  Duration exposure{};      ///< Of each row: the command's, or what automatic exposure chose.
-  double gain_db = 0.0;     ///< Likewise.
+  Duration exposure{};      ///< Exposure time of each row, commanded or automatic.
+  double gain_db = 0.0;     ///< Commanded or automatic.
   std::uint64_t frame = 0;  ///< Draws the noise.
-  SimTime start{};          ///< Of the exposure of the first row.
-  /// Of the camera's mount frame S, in order of time, at least two; they, and the scene's slice,
+  SimTime start{};          ///< Start of exposure of the first row.
+  /// Poses of the camera's mount frame S in order of time, at least two. They and the scene's slice
   /// span the exposure of all rows (CameraSensor::span()).
   std::vector<CameraPose> poses;
-  std::uint32_t mask = Scene::kSeeEverything;  ///< Of the camera's rays; shadows are of everything.
-  const Daylight* light = nullptr;             ///< Must be there.
+  std::uint32_t mask = Scene::kSeeEverything;  ///< Mask of the camera's rays; shadows ignore it.
+  const Daylight* light = nullptr;             ///< Must not be null.
   const CameraAir* air = nullptr;              ///< Null: clear.
   const SkyVisibility* sky = nullptr;          ///< Null: all of the sky, everywhere.
-  double wetness = 0.0;                        ///< Of the ground, 0 .. 1.
+  double wetness = 0.0;                        ///< Wetness of the ground, 0 .. 1.
 };
 
 /// What is true behind each pixel of a picture's first part, at the middle of that pixel's
@@ -61,7 +61,8 @@ class CameraSensor {
   /// What was made of a shot.
   struct Taken {
     std::shared_ptr<const Picture> picture;
-    double mean = 0.0;  ///< Of the image, share of full scale: what automatic exposure measures.
+    /// Mean of the image, share of full scale: what automatic exposure measures.
+    double mean = 0.0;
   };
   /// `truth`: filled unless null. The scene must be ready for a slice that spans the exposure, and
   /// must not change meanwhile. One call at a time. Throws std::invalid_argument for a shot that

@@ -21,7 +21,7 @@ constexpr int kLines = 2 * kDown + 1;
 static_assert(kCensusPairs == ((2 * kAcross + 1) * kLines - 1) / 2);
 /// Eight pairs in each.
 constexpr std::size_t kBytes = (kCensusPairs + 7) / 8;
-/// Of what lies beyond the other picture's edge: nothing is like it.
+/// Cost of a match beyond the other picture's edge: no pair agrees.
 constexpr std::uint8_t kBeyond = kCensusPairs;
 /// Above every sum.
 template <class Sum>
@@ -29,8 +29,8 @@ constexpr Sum kNoSum = std::numeric_limits<Sum>::max();
 constexpr std::int16_t kNotFound = -kDisparitySteps;
 /// Bytes on each side of a pixel's path costs, so that the outermost disparities have neighbours.
 constexpr std::size_t kMargin = 32;
-/// Of the picture, for threads to share; and how many rows before its own a strip's paths from
-/// above begin.
+/// Strips of the picture, shared by the threads; and the number of rows before a strip's own at
+/// which its paths from above begin.
 constexpr int kStrips = 4;
 constexpr int kRunUp = 24;
 
@@ -40,7 +40,7 @@ constexpr Sum unless(bool holds) {
   return static_cast<Sum>(static_cast<Sum>(holds) - 1U);
 }
 
-/// Which pixel of each pair is brighter, for the pixels of a row.
+/// Census of a row's pixels: which pixel of each pair is brighter.
 using CensusRow = std::array<std::vector<std::uint8_t>, kBytes>;
 /// Lines of a picture around a row, kAcross pixels wider on each side.
 using Lines = std::array<std::vector<std::uint8_t>, kLines>;
@@ -142,17 +142,18 @@ struct Workplace {
   CensusRow right;  ///< From the right to the left: higher disparities come later.
   std::vector<std::uint8_t> costs;
   std::vector<Sum> sums;
-  std::array<std::vector<std::uint8_t>, 2> along;    ///< Of a pixel and the one before.
-  std::array<std::array<PathRow, 2>, 3> from_above;  ///< Of a row and the one before.
+  std::array<std::vector<std::uint8_t>, 2> along;    ///< Path costs of a pixel and the one before.
+  std::array<std::array<PathRow, 2>, 3> from_above;  ///< Path costs of a row and the one before.
   std::vector<Sum> numbers;                          ///< 0, 1, 2 ...
-  /// Of the right picture's pixels, from the right to the left.
+  /// Lowest sum at each pixel of the right picture, from the right to the left, and its disparity.
   std::vector<Sum> right_sum;
   std::vector<Sum> right_disparity;
 
   [[nodiscard]] std::size_t stride() const {
     return static_cast<std::size_t>(disparities) + 2 * kMargin;
   }
-  /// Of a left pixel's first disparity among the right ones.
+  /// Returns the index in the right picture's rows of the match of column `x` at the first
+  /// disparity.
   [[nodiscard]] std::size_t right_of(int x) const {
     const int from_right = width - 1 - x + least_disparity;
     return static_cast<std::size_t>(from_right);

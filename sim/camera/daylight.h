@@ -40,7 +40,7 @@ namespace rigwire::sim {
 struct DaylightParameters {
   double turbidity = 3.0;      ///< 2 very clear, 3 clear, 6 hazy, 10 thick haze.
   double cloud_cover = 0.0;    ///< 0 clear .. 1 overcast.
-  double ground_albedo = 0.2;  ///< Of what surrounds the scene.
+  double ground_albedo = 0.2;  ///< Albedo of the ground around the scene.
 
   friend bool operator==(const DaylightParameters&, const DaylightParameters&) = default;
 };
@@ -62,31 +62,31 @@ class Daylight {
   [[nodiscard]] const Eigen::Vector3f& to_sun_W() const { return to_sun_; }
   /// False: it stands below the horizon, or behind clouds altogether.
   [[nodiscard]] bool sun_shines() const { return sun_lx_.y() > 0.0F; }
-  /// On a surface that faces the sun, lx.
+  /// Illuminance of a surface that faces the sun, by the sun alone, lx.
   [[nodiscard]] const Eigen::Vector3f& sun_lx() const { return sun_lx_; }
-  /// Of the whole sky and the sun on level ground, lx.
+  /// Illuminance of level ground by sun and sky, lx.
   [[nodiscard]] const Eigen::Vector3f& total_lx() const { return total_lx_; }
-  /// Of the sky alone.
+  /// Illuminance of level ground by the sky alone, lx.
   [[nodiscard]] const Eigen::Vector3f& sky_lx() const { return sky_lx_; }
 
   /// Luminance in a direction (unit), cd/m2: the sky above the horizon, from a table (within 1 %
   /// of the formulas from 3 degrees above the horizon on); below it ground that pales with
   /// distance. The sun's disc is not in it.
   [[nodiscard]] Eigen::Vector3f luminance(const Eigen::Vector3f& direction_W) const;
-  /// The same in eight directions, by band.
+  /// Writes the luminance in eight directions, by band.
   using EightNumbers = std::span<const float, kLanes>;
   void luminance(EightNumbers x, EightNumbers y, EightNumbers z,
                  std::array<LaneArray, 3>& bands) const;
   /// Mean luminance of the sky's lowest 5 degrees all round: what air far away looks like.
   [[nodiscard]] const Eigen::Vector3f& horizon() const { return horizon_; }
-  /// Of the sun's disc, half 0.267 degrees wide, seen through the air, cd/m2.
+  /// Returns the luminance of the sun's disc, 0.267 degrees in radius, seen through the air, cd/m2.
   [[nodiscard]] Eigen::Vector3f sun_luminance() const;
   static constexpr float kSunRadius_rad = 0.00465F;
 
   /// Sky and ground on a surface with that normal (unit), nothing in the way, lx.
   [[nodiscard]] Eigen::Vector3f diffuse_lx(const Eigen::Vector3f& normal_W) const;
-  /// Its nine coefficients by band, for whoever evaluates many at a time: of 1, y, z, x, xy, yz,
-  /// 3 z^2 - 1, xz, x^2 - y^2.
+  /// Nine coefficients of diffuse_lx() by band, to evaluate many normals at a time: of 1, y, z, x,
+  /// xy, yz, 3 z^2 - 1, xz, x^2 - y^2.
   [[nodiscard]] const std::array<Eigen::Vector3f, 9>& diffuse_terms() const { return terms_; }
 
  private:
@@ -99,8 +99,9 @@ class Daylight {
 
   DaylightParameters parameters_;
   Eigen::Vector3f to_sun_;
-  Eigen::Vector3f shape_sun_;                         ///< Where the sky's shape has the sun.
-  std::array<std::array<float, 5>, 3> perez_{};       ///< Of Y, x and y.
+  /// Direction of the sun in the Perez functions.
+  Eigen::Vector3f shape_sun_;
+  std::array<std::array<float, 5>, 3> perez_{};       ///< Perez coefficients of Y, x and y.
   Eigen::Vector3f zenith_ = Eigen::Vector3f::Zero();  ///< Y, x, y over the shape at the zenith.
   float clear_scale_ = 0.0F;
   float overcast_zenith_ = 0.0F;

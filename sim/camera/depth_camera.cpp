@@ -105,8 +105,8 @@ class DepthCamera final : public CameraSensor {
  private:
   /// Own light as a pixel sees it.
   struct Echo {
-    float strength = 0.0F;  ///< S, of the vector sum.
-    float sum = 0.0F;       ///< Of the strengths: what the image sees.
+    float strength = 0.0F;  ///< S, length of the vector sum.
+    float sum = 0.0F;       ///< Sum of the strengths: what the image sees.
     float range_m = 0.0F;
   };
 
@@ -217,7 +217,7 @@ class DepthCamera final : public CameraSensor {
   std::vector<float> along_axis_;
   std::vector<float> falloff_;
 
-  // Of one shot; memory is used again.
+  // Working memory of one shot, used again.
   RenderedPicture rendered_;
   PictureRays rays_;
   std::vector<Echo> echoes_;

@@ -50,11 +50,11 @@ struct DepthCameraParameters {
   static constexpr fields::Named kNamed{"depth", "Range and its confidence, with an image."};
 
   CameraParameters camera = optics();
-  int rays_across = 2;  ///< A pixel, and as many down, for its range.
+  int rays_across = 2;  ///< Rays across a pixel, and as many down, for its range.
   double nearest_m = 0.3;
   double farthest_m = 10.0;
   double unambiguous_m = 30.0;  ///< Distances beyond fold back.
-  double step_m = 0.0002;       ///< Of the coding; 16 bits of it.
+  double step_m = 0.0002;       ///< Step of the coded range; codes have 16 bits.
 
   // Noise at the reference, in the dark.
   double noise_m = 0.001;         ///< sigma0.
@@ -70,8 +70,8 @@ struct DepthCameraParameters {
   double cyclic_error_m = 0.005;  ///< Amplitude.
   double cycle_m = 0.375;
 
-  /// Luminance of the reference surface by the camera's own light, cd/m2, and the share of the
-  /// light of day that comes through the filter: of the image.
+  /// For the image: luminance of the reference surface by the camera's own light, cd/m2, and the
+  /// share of the daylight that passes the filter.
   double own_luminance_cd = 1.0;
   double daylight_share = 0.002;
 

@@ -14,7 +14,8 @@ namespace rigwire::sim {
 inline constexpr int kDisparitySteps = 16;
 inline constexpr float kPerStep_px = 1.0F / static_cast<float>(kDisparitySteps);
 
-/// Not at infinity, where surfaces without texture end up.
+/// Returns whether there is a disparity: not at infinity, where surfaces without texture end up,
+/// and not below the searched ones.
 [[nodiscard]] inline bool found_at(int steps, int least_disparity) {
   return steps > 0 && steps >= least_disparity * kDisparitySteps;
 }
@@ -23,8 +24,8 @@ inline constexpr float kPerStep_px = 1.0F / static_cast<float>(kDisparitySteps);
 void take_steps(std::span<const std::int16_t> steps, int least_disparity,
                 std::vector<float>& disparity_px);
 
-/// Of 255: how well a disparity and the one that leads back agree, all within a step, nothing from
-/// kDisagreement_px on.
+/// Returns how well a disparity and the one that leads back agree: 255 if they are within a step, 0
+/// if they are more than kDisagreement_px apart.
 [[nodiscard]] inline int agreement(int steps, int returned_steps) {
   constexpr int kMost = kDisagreement_px * kDisparitySteps;
   const int apart = std::max(0, std::abs(steps - returned_steps) - 1);

@@ -8,7 +8,7 @@
 namespace rigwire::sim {
 namespace {
 
-/// Of steepness, either way of where a slope is bare, in shares of that.
+/// Half width of the ragged edge of bare slopes, as share of the steepness where they begin.
 constexpr float kRaggedSlope = 0.25F;
 
 /// Two slopes beside each other.

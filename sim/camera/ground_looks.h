@@ -17,8 +17,8 @@ namespace rigwire::sim {
 
 class GroundLooks {
  public:
-  /// Of the scene's terrain as it is staged. Slopes are kept where its heights are those of the
-  /// last call.
+  /// Prepares for the scene's terrain as it is staged. Computes slopes anew only if the terrain has
+  /// changed since the last call.
   void prepare(const Scene::Internals& scene, const Scene::Internals::Terrain& terrain);
 
   /// What the points that hit it look like, and its normals there, on the side that the flat ones
@@ -29,7 +29,7 @@ class GroundLooks {
   /// Looks of the next label of the terrain's cover; after prepare().
   void add_label(std::uint16_t look, const Shade& shade);
 
-  /// Of the terrain's own material, and of bare slopes.
+  /// Looks of the terrain's own material and of bare slopes.
   std::uint16_t own = 0;
   std::uint16_t face = 0;
 
@@ -53,17 +53,17 @@ class GroundLooks {
   void find_slopes(const HeightField& field);
 
   const Scene::Internals::Cover* cover_ = nullptr;      ///< Null: the material everywhere.
-  Eigen::Vector2f offset_m_ = Eigen::Vector2f::Zero();  ///< Of Embree's origin from the first node.
+  Eigen::Vector2f offset_m_ = Eigen::Vector2f::Zero();  ///< From the first node to Embree's origin.
   float per_m_ = 1.0F;
   int columns_ = 0;
   int rows_ = 0;
-  std::vector<std::uint16_t> of_label_;  ///< Look of each label of the cover;
-  std::vector<std::uint8_t> laid_;       ///< whether it is laid along lines;
-  bool any_laid_ = false;                ///< whether one is.
+  std::vector<std::uint16_t> of_label_;  ///< Look of each label of the cover.
+  std::vector<std::uint8_t> laid_;       ///< 1 for each label that is laid along lines, else 0.
+  bool any_laid_ = false;                ///< Whether any label is laid along lines.
   std::vector<Slopes> nodes_;
-  std::weak_ptr<const char> scene_;  ///< That the slopes are of,
-  std::uint32_t instance_ = 0;       ///< the terrain in it,
-  std::uint64_t updates_ = 0;        ///< and as it was after so many.
+  std::weak_ptr<const char> scene_;  ///< Scene of the slopes.
+  std::uint32_t instance_ = 0;       ///< Its terrain.
+  std::uint64_t updates_ = 0;        ///< Number of updates of the terrain at that time.
 };
 
 }  // namespace rigwire::sim

@@ -22,7 +22,7 @@ using fields::plain;
 
 namespace {
 
-/// Of daylight, 400 .. 700 nm, per second, m2 and lux.
+/// Photons of daylight, 400 .. 700 nm, per second, m2 and lux.
 constexpr double kPhotonsPerLuxSecond = 1.114e16;
 constexpr float kExactBelow = 12.0F;
 /// Pixels that are worked on together.

@@ -62,7 +62,7 @@ struct ImageSensorParameters {
 };
 void visit(fields::Visitor& v, ImageSensorParameters& p);
 
-/// The same keys in two parts, for cameras whose pictures have a size of their own.
+/// Visit the size or all other keys, for cameras whose pictures have a size of their own.
 void visit_size(fields::Visitor& v, ImageSensorParameters& p);
 void visit_figures(fields::Visitor& v, ImageSensorParameters& p);
 /// What the width or the height of a picture may be, of any kind of camera.
@@ -178,19 +178,19 @@ class AutoExposure {
   /// Throws std::invalid_argument as validate() does.
   AutoExposure(const AutoExposureParameters& parameters, const Choice& start);
 
-  /// What the next picture is taken with; or of those after it, `ahead` of them later, as far as
-  /// that is known: less than the lag.
+  /// Returns the choice for the next picture, or for the one `ahead` pictures later; `ahead` is
+  /// less than the lag.
   [[nodiscard]] const Choice& next(std::size_t ahead = 0) const { return queue_.at(ahead); }
   [[nodiscard]] std::size_t known() const { return queue_.size(); }
-  /// A picture was taken with next(), and nobody measured it.
+  /// Notes that a picture was taken with next() and not measured.
   void unmeasured();
-  /// A picture was taken with next(), and this was its mean, share of full scale (black level taken
-  /// off). `exposure_free`, `gain_free`: what may be changed; the other stays as in `fixed`.
+  /// Notes that a picture was taken with next() and had this mean, share of full scale (black level
+  /// taken off). `exposure_free`, `gain_free`: what may be changed; the other stays as in `fixed`.
   void taken(double mean, bool exposure_free, bool gain_free, const Choice& fixed);
 
  private:
   AutoExposureParameters parameters_;
-  std::vector<Choice> queue_;  ///< Of the next pictures, in order; lag of them.
+  std::vector<Choice> queue_;  ///< Choices for the next `lag` pictures, in order.
 };
 
 }  // namespace rigwire::sim

@@ -29,7 +29,7 @@ constexpr double kHalfTurn = std::numbers::pi;
 constexpr double kGreatestTangent = 50.0;
 constexpr int kLimitSteps = 4096;
 constexpr int kMostNewtonSteps = 60;
-/// Of the inverse, in focal lengths: 1e-9 pixels at 16384 pixels.
+/// Tolerance of the inverse, in focal lengths: 1e-9 pixels at 16384 pixels.
 constexpr double kResidual = 2e-14;
 /// By which an equirectangular picture may pass a pole or the full turn, rounding.
 constexpr double kRounding_rad = 1e-9;
@@ -285,6 +285,8 @@ std::optional<double> Lens::angle_at(double radius) const {
   return theta;
 }
 
+/// Inverts the lens model: brown_conrady and kannala_brandt by Newton's method in undistorted() and
+/// angle_at(), equirectangular in closed form.
 std::optional<Eigen::Vector3d> Lens::direction(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d seen = (pixel - centre_) / focal_px_;
   if (!seen.allFinite()) {

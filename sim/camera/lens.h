@@ -35,12 +35,12 @@ struct LensParameters {
   LensModel model = LensModel::brown_conrady;
   double focal_length_m = 0.004;
   double f_number = 4.0;
-  double k1 = 0.0;  ///< Of brown_conrady and kannala_brandt, as k2 and k3.
+  double k1 = 0.0;  ///< k1, k2, k3: brown_conrady and kannala_brandt.
   double k2 = 0.0;
-  double p1 = 0.0;  ///< Of brown_conrady alone.
+  double p1 = 0.0;  ///< p1, p2: brown_conrady only.
   double p2 = 0.0;
   double k3 = 0.0;
-  double k4 = 0.0;  ///< Of kannala_brandt alone.
+  double k4 = 0.0;  ///< kannala_brandt only.
   /// Principal point, from the sensor's middle, in pixels right and down.
   Eigen::Vector2d principal_offset_px = Eigen::Vector2d::Zero();
   /// Farther from the axis than this the picture is black; 0: the lens fills the sensor.

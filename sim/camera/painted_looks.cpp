@@ -6,7 +6,8 @@
 namespace rigwire::sim {
 namespace {
 
-/// Of the angle of incidence; what is seen along its edge is not longer than that.
+/// Lower limit of the cosine of the angle of incidence; it bounds a footprint's length at grazing
+/// incidence.
 constexpr float kLeastCosine = 1e-3F;
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace rigwire::sim {
 
 /// Coordinates of something with panes, and how they stand in its sides.
 struct PaneFrame {
-  std::array<float, 12> X{};  ///< Of the mesh in Embree's coordinates, column by column.
+  std::array<float, 12> X{};  ///< Pose of the mesh in Embree's coordinates, column by column.
   Eigen::AlignedBox3f bounds_M;
   Panes panes;
 };

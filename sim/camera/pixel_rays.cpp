@@ -216,7 +216,7 @@ RIGWIRE_WIDE_VECTORS void PixelRays::turn_to(int column, int row, PixelPacket& p
 
 namespace {
 
-/// Of the ray at one lane; nothing met.
+/// Resets lane `i` to a ray of length `far_m` without a hit.
 inline void release(RTCRayHit8& rays, std::size_t i, float far_m) {
   rays.ray.tfar[i] = far_m;
   rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;

@@ -34,7 +34,7 @@ struct PictureLimits {
 
 /// A packet of pixels and the rays through one sample of them.
 struct PixelPacket {
-  /// What aim() does not write.
+  /// Sets the members that aim() does not write.
   void limit(const PictureLimits& limits);
 
   int column = 0;
@@ -49,7 +49,7 @@ struct PixelPacket {
   LaneArray within_stratum{};
   RTCRayHit8 rays{};
 
-  /// Of the packet among the samples of a picture.
+  /// Number of this packet and sample within a picture, for random draws.
   [[nodiscard]] std::uint64_t number() const {
     return (static_cast<std::uint64_t>(row) << 30U) + (static_cast<std::uint64_t>(column) << 12U) +
            static_cast<std::uint64_t>(sample);
@@ -73,10 +73,10 @@ struct PixelPlace {
 
 class PixelRays {
  public:
-  /// `lens` is of that sensor.
+  /// `lens` must be made for that sensor.
   PixelRays(const Lens& lens, const ImageSensorParameters& sensor);
 
-  /// Of each pixel of the sensor, share of the light that comes through to it.
+  /// Returns the share of the light that reaches each pixel of the sensor.
   [[nodiscard]] std::span<const float> falloff() const { return falloff_; }
 
   /// For a picture from now on. `poses`: of the mount at the middle of each row's exposure, or of
@@ -105,20 +105,20 @@ class PixelRays {
   [[nodiscard]] float along_axis(const PixelPacket& packet, std::size_t lane) const;
 
  private:
-  /// Which way a pixel's middle looks, unit vector in S.
+  /// Direction through a pixel's middle, unit vector in S.
   struct alignas(16) PixelDirection {
     float x = 1.0F, y = 0.0F, z = 0.0F;
     float angle_rad = 0.0F;  ///< To the next pixel of its row; 0: no picture here.
   };
-  /// The same for a packet.
+  /// Directions through the middles of a packet's pixels.
   struct PixelBlock {
     LaneArray x, y, z, angle_rad;
   };
-  /// By how much it turns from one side of the pixel to the other.
+  /// Change of the direction from one side of a pixel to the other.
   struct BlockSlopes {
     std::array<LaneArray, 3> across, down;
   };
-  /// The camera at the middle of a row's exposure, in Embree's coordinates; of both rows of a
+  /// Camera pose at the middle of a row's exposure, in Embree's coordinates, for both rows of a
   /// packet.
   struct PacketPose {
     std::array<LaneArray, 9> R;  ///< R_WS, column by column.
@@ -145,7 +145,7 @@ class PixelRays {
   std::vector<PixelDirection> directions_;  ///< One pixel more on each side.
   std::vector<float> falloff_;
 
-  // Of the picture. The blocks stay until region, binning or slopes change.
+  // State of the current picture. The blocks stay until region, binning or slopes change.
   PixelRectangle region_;
   int binning_x_ = 1;
   int binning_y_ = 1;

@@ -14,7 +14,7 @@ namespace rigwire::sim {
 
 struct ReportedGeometry {
   double focal_length_px = 0.0;
-  double baseline_m = 0.0;  ///< Of stereo; else 0.
+  double baseline_m = 0.0;  ///< Between the heads of a stereo camera; 0 for other kinds.
   double principal_u_px = 0.0;
   double principal_v_px = 0.0;
   CoordinateCoding coding;

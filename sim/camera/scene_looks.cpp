@@ -35,6 +35,8 @@ std::uint16_t SceneLooks::add(const Shade& shade) {
   return static_cast<std::uint16_t>(looks_.size() - 1);
 }
 
+/// Numbers the looks: first those of the scene's materials, in their order, then the cut face, and
+/// those of meshes with colours and of soils as they come.
 void SceneLooks::prepare(const Scene::Internals& scene, const std::vector<SurfaceLook>& given) {
   scene_ = &scene;
   looks_.clear();

@@ -17,21 +17,21 @@
 
 namespace rigwire::sim {
 
-/// Of one packet after the other: what they keep from each other saves work, no more.
+/// Working memory for one packet after the other; what a packet leaves in it only saves work.
 struct TexturedPacket {
   MetSurfaces met;
   LitLanes lit;
 
-  bool on_bodies = false;                       ///< Some met what moves: X is filled there.
-  bool stony = false;                           ///< Some have stones,
-  bool glazed = false;                          ///< some panes,
-  bool painted = false;                         ///< some a texture.
+  bool on_bodies = false;                       ///< Some hit a moving body: X is set there.
+  bool stony = false;                           ///< Some lanes have stones.
+  bool glazed = false;                          ///< Some lanes have panes.
+  bool painted = false;                         ///< Some lanes have a texture.
   std::array<std::array<float, 12>, kLanes> X;  ///< Poses of the links, column by column.
 };
 
 class SceneLooks {
  public:
-  /// Of the scene in its present slice; `given` before what is built in.
+  /// Prepares for the scene in its present slice. Looks in `given` replace built-in ones.
   void prepare(const Scene::Internals& scene, const std::vector<SurfaceLook>& given);
 
   /// Textures what a cast packet met. Returns whether it met anything.

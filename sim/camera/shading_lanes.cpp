@@ -13,7 +13,7 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 /// Grain never takes more than this of a surface's brightness.
 constexpr float kDarkestGrain = 0.2F;
-/// Of a wet surface's albedo against the dry one's (J. Lekner, M. C. Dorf, "Why some things are
+/// Ratio of a wet surface's albedo to the dry one's (J. Lekner, M. C. Dorf, "Why some things are
 /// darker when wet", Applied Optics 27, 1988, for albedos of 0.2 to 0.4).
 constexpr float kWetAlbedo = 0.55F;
 constexpr float kWater = 0.02F;  ///< Reflectance of water, head on.

@@ -50,7 +50,7 @@ struct MetSurfaces {
   LaneArray nx, ny, nz;  ///< Smooth normals, the same unless they were replaced.
   LaneArray draw;        ///< -1 .. 1, of the triangle that was hit.
 
-  std::uint32_t look = ~0U;  ///< That all lanes have; ~0: they differ.
+  std::uint32_t look = ~0U;  ///< Look of all lanes; ~0: they differ.
   LaneArray red, green, blue, red2, green2, blue2;
   LaneArray grain, relief, gloss, sharpness, transmission, variation, soaks, film;
   LaneArray stones, stone_red, stone_green, stone_blue;
@@ -58,7 +58,7 @@ struct MetSurfaces {
   GrainAnchor anchor;
 };
 
-/// Which look each lane has; ~0 where nothing was met.
+/// Look of each lane; ~0 where nothing was hit.
 struct alignas(32) LookLanes : std::array<std::uint32_t, kLanes> {};
 
 /// Points, flat normals and draws of what a cast packet met. Returns whether it met anything.

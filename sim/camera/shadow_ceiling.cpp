@@ -13,7 +13,7 @@ constexpr float kNoGround = -std::numeric_limits<float>::infinity();
 constexpr float kClosed = std::numeric_limits<float>::infinity();
 /// What rounding in Embree's coordinates may move, with room.
 constexpr double kMargin_m = 0.02;
-/// Of a cell's cosine of incidence, for the same reason.
+/// Margin of a cell's cosine of incidence, for the same reason.
 constexpr float kFacingMargin = 0.005F;
 /// What may be dug below the ground as it was laid out.
 constexpr double kDeepest_m = 10.0;
@@ -225,7 +225,7 @@ void ShadowCeiling::raise_moving(const Scene::Internals& scene) {
 }
 
 void ShadowCeiling::raise_terrain(const Scene::Internals::Terrain& terrain) {
-  // As the rays see it: in Embree's floats, above the terrain's centre.
+  // Heights are Embree's floats above the terrain's centre, as the rays see them.
   const auto raise_rows = [&](std::size_t first_column, std::size_t first_row, std::size_t columns,
                               std::size_t rows, const auto& height) {
     const HeightField& field = terrain.field;

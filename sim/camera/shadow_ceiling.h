@@ -40,8 +40,8 @@ class ShadowCeiling {
   void prepare(const Scene::Internals& scene, const Eigen::Vector3f& to_sun_W,
                double sun_radius_rad);
 
-  /// Which of the `active` rays (-1) may be stopped by something: -1 in `doubtful`, 0 elsewhere.
-  /// Starts in Embree's coordinates. Returns whether there is one.
+  /// Finds those of the `active` rays (-1) that something may block: sets `doubtful` to -1 there
+  /// and to 0 elsewhere. The rays start in Embree's coordinates. Returns whether there is one.
   bool doubt(const RTCRay8& rays, const std::array<int, kLanes>& active,
              std::array<int, kLanes>& doubtful) const;
 
@@ -78,16 +78,17 @@ class ShadowCeiling {
   Kept kept_;
   std::vector<float> fixed_m_;
 
-  Eigen::Vector2d along_ = Eigen::Vector2d::UnitX();    ///< Unit, towards the sun.
-  Eigen::Vector2d corner_m_ = Eigen::Vector2d::Zero();  ///< Of the lattice: along, across.
+  Eigen::Vector2d along_ = Eigen::Vector2d::UnitX();    ///< Unit vector, level, towards the sun.
+  Eigen::Vector2d corner_m_ = Eigen::Vector2d::Zero();  ///< Lattice corner: along, across.
   double cell_m_ = 1.0;
-  int length_ = 0;                 ///< Cells along,
-  int width_ = 0;                  ///< and across.
-  std::array<float, 4> facing_{};  ///< To the sun: east, north, up; margin of the cosine.
-  double fall_ = 0.0;              ///< Of a ceiling, per metre.
-  double spread_ = 0.0;            ///< Of a shadow to either side, per metre below its caster.
-  double lowest_m_ = 0.0;          ///< Of the ground.
-  std::vector<int> first_open_, last_open_;  ///< Along, for each place across: over the terrain.
+  int length_ = 0;                 ///< Cells along.
+  int width_ = 0;                  ///< Cells across.
+  std::array<float, 4> facing_{};  ///< Towards the sun: east, north, up; margin of the cosine.
+  double fall_ = 0.0;              ///< Drop of a ceiling per metre away from the sun.
+  /// Widening of a shadow on each side, per metre below its caster.
+  double spread_ = 0.0;
+  double lowest_m_ = 0.0;                    ///< Lowest level that the ground may be dug to.
+  std::vector<int> first_open_, last_open_;  ///< Cells along over terrain, by place across.
   /// World height, cell by cell across, then along.
   std::vector<float> ceiling_m_;
 
@@ -95,7 +96,7 @@ class ShadowCeiling {
   std::array<float, 3> to_along_{};
   std::array<float, 3> to_across_{};
   float to_world_m_ = 0.0F;                   ///< Added to z.
-  std::vector<float> south_, north_, above_;  ///< Of a row of terrain; memory is used again.
+  std::vector<float> south_, north_, above_;  ///< Working memory, a row of terrain each.
 };
 
 }  // namespace rigwire::sim

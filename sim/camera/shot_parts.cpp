@@ -195,7 +195,7 @@ PicturePart& add_part(Picture& picture, PictureComponent component, PixelFormat 
 
 namespace {
 
-/// Of RenderedPicture or CameraTruth.
+/// Returns `region` of a RenderedPicture or of a CameraTruth.
 template <class Known>
 CameraTruth crop_known(const Known& known, const PictureRegion& region) {
   CameraTruth cropped;

@@ -12,7 +12,7 @@
 
 namespace rigwire::sim {
 
-/// Which parts a kind of camera can make; those of CameraCommand.
+/// Parts that a kind of camera can make; the flags are those of CameraCommand.
 struct PictureParts {
   bool intensity = true;
   bool intensity_right = false;
@@ -36,9 +36,9 @@ void require_region(const CameraCommand& command, std::string_view kind, int wid
 /// Formats of a grey sensor, or of one behind a Bayer mosaic.
 [[nodiscard]] std::span<const PixelFormat> sensor_formats(bool colour);
 
-/// How a sensor is read out for a shot: region and binning as the command has them.
+/// Returns the read-out of a shot: region and binning as the command has them.
 [[nodiscard]] ReadOut read_out_of(const CameraShot& shot);
-/// Likewise, but all of the sensor.
+/// Returns the read-out of the whole sensor for a shot, without binning.
 [[nodiscard]] ReadOut whole_read_out(const CameraShot& shot, const ImageSensorParameters& sensor);
 /// The rest of a job; `X_SC`: a camera's own mount frame C, standing in the shot's S.
 [[nodiscard]] PictureJob job_of(const CameraShot& shot, const ReadOut& read_out,
@@ -50,16 +50,16 @@ void require_region(const CameraCommand& command, std::string_view kind, int wid
 
 /// A picture with the shot's times and no parts.
 [[nodiscard]] Picture empty_picture(const CameraShot& shot);
-/// That rectangle of a picture of `width` columns, pixel by pixel of `pixel_bytes`.
+/// Copies `region` of a picture of `width` columns, `pixel_bytes` per pixel, to `cropped`.
 void crop(std::span<const std::uint8_t> bytes, int width, const PictureRegion& region,
           std::size_t pixel_bytes, std::vector<std::uint8_t>& cropped);
 /// Adds a part of that region, cut out of `bytes` of a picture of `width` columns. What it returns
 /// is valid until the next one.
 PicturePart& add_part(Picture& picture, PictureComponent component, PixelFormat format,
                       const PictureRegion& region, std::span<const std::uint8_t> bytes, int width);
-/// What is true of a rendered picture's rectangle.
+/// Returns the truth of `region` of a rendered picture.
 [[nodiscard]] CameraTruth crop(const RenderedPicture& known, const PictureRegion& region);
-/// That rectangle of what is true of a picture.
+/// Returns `region` of `truth`.
 [[nodiscard]] CameraTruth crop(const CameraTruth& truth, const PictureRegion& region);
 
 /// Sixteen bits, the least significant first.

@@ -31,7 +31,7 @@ class SkyVisibility {
   /// Share of the sky's light on level ground that comes through, 0 .. 1. Beyond the terrain's edge
   /// that of the nearest point.
   [[nodiscard]] float at(float x_m, float y_m, float z_m) const;
-  /// The same of eight points that are counted from `offset_m`, each axis by itself.
+  /// Writes the share at eight points; `offset_m` is added to their coordinates.
   void at(const LaneArray& x_m, const LaneArray& y_m, const LaneArray& z_m,
           const Eigen::Vector3f& offset_m, LaneArray& share) const;
   [[nodiscard]] bool everywhere() const { return nodes_.empty(); }
@@ -53,7 +53,7 @@ class SkyVisibility {
   std::vector<Node> nodes_;
 
  public:
-  /// Of the lattice's first node: what at() counts x and y from. Heights count from the world's.
+  /// Position of the lattice's first node: at() counts x and y from it, heights from the world's 0.
   [[nodiscard]] const Eigen::Vector2d& origin_m() const { return origin_m_; }
 };
 

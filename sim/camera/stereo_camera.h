@@ -31,9 +31,9 @@ namespace rigwire::sim {
 struct StereoCameraParameters {
   static constexpr fields::Named kNamed{"stereo", "Two images, disparity and its confidence."};
 
-  CameraParameters camera = heads();  ///< Of each head; its lens is brown_conrady.
+  CameraParameters camera = heads();  ///< Both heads; the lens must be brown_conrady.
   double baseline_m = 0.16;           ///< Between the heads.
-  /// Of the right head, about its roll, pitch and yaw axes, unknown to the calibration.
+  /// Rotation of the right head about its roll, pitch and yaw axes, unknown to the calibration.
   Eigen::Vector3d misalignment_rad = Eigen::Vector3d::Zero();
   StereoMatchingParameters matching;
 

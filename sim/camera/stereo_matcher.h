@@ -9,7 +9,7 @@
 //           pictures and no light.
 //
 // Confidence, 0 .. 255, is how well left and right agree: a pixel that comes back to itself within
-// a sixteenth has 255, one that is off by kDisagreement_px or more has 0. Errors that both share
+// a sixteenth has 255, one that is off by more than kDisagreement_px has 0. Errors that both share
 // (repeated patterns, pixel locking) do not show in it. The census takes both directions from the
 // same sums, and lowers the confidence where the next best disparity's sum is near the best one's.
 //
@@ -61,8 +61,8 @@ struct StereoPair {
   double focal_baseline_px_m = 0.0;  ///< Disparity = this over depth.
 };
 
-/// Of the left picture. A disparity of 0, at infinity, is none: it is what surfaces without texture
-/// get.
+/// Disparities of the left picture. A disparity of 0, at infinity, counts as none, because surfaces
+/// without texture get it.
 struct DisparityPicture {
   static constexpr float kNone = -1.0F;
   std::vector<float> disparity_px;       ///< kNone where there is none.

@@ -15,7 +15,7 @@ namespace rigwire::sim {
 
 struct SunPosition {
   double azimuth_rad = 0.0;    ///< Clockwise from north, 0 .. 2 pi.
-  double elevation_rad = 0.0;  ///< As seen, refraction included.
+  double elevation_rad = 0.0;  ///< Apparent, refraction included.
   double geometric_elevation_rad = 0.0;
   double declination_rad = 0.0;
   double equation_of_time_s = 0.0;  ///< Apparent less mean solar time.

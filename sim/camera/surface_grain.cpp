@@ -17,11 +17,11 @@ constexpr std::uint32_t kZ = 0xC2B2AE3DU;
 
 constexpr float kStoneFrequency_pm = 1.25F;
 constexpr int kStoneLattices = 7;
-/// Of the shade beside a stone, in its radii.
+/// Radius of the shade around a stone, in the stone's radii.
 constexpr float kShadeReach = 1.3F;
 constexpr float kWholeStone_px = 5.0F;
 constexpr float kLeastStone_px = 2.5F;
-/// Of the cells of each lattice, those that hold a stone at a density of 1.
+/// Share of the cells of each lattice that hold a stone at a density of 1.
 constexpr std::array<float, kStoneLattices> kFilled{0.03F, 0.09F, 0.22F, 0.45F, 0.75F, 1.0F, 1.0F};
 /// Axes of the stones' lattices: a rotation.
 constexpr std::array<std::array<float, 3>, 3> kStoneAxes{
@@ -268,7 +268,7 @@ RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAncho
     const std::uint32_t cz = static_cast<std::uint32_t>(anchor.cell[2]) * times;
     const std::uint32_t seed = static_cast<std::uint32_t>(k + 1) * 0x27D4EB2FU;
     const float filled = kFilled[at];
-    // Which cells hold a stone; of the coarse lattices few do.
+    // Find the cells that hold a stone; few of the coarse lattices' do.
     std::uint32_t somewhere = 0;
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {

@@ -24,10 +24,10 @@ inline constexpr int kMostOctaves = 14;
 /// Where the points are.
 struct GrainPoints {
   LaneArray x, y, z;       ///< m, from the anchor.
-  LaneArray frequency_pm;  ///< Of the first octave.
-  LaneArray upright;       ///< Frequency along z against that.
+  LaneArray frequency_pm;  ///< One over the cell of the first octave.
+  LaneArray upright;       ///< Ratio of the frequency along z to that.
   LaneArray footprint_m;   ///< Width of a pixel on the surface, above 0.
-  LaneArray persistence;   ///< Of an octave against the coarser one before it.
+  LaneArray persistence;   ///< Weight of an octave relative to the next coarser one.
 };
 
 /// Anchor of the points' lattice at one frequency: the part of anchor x frequency before the point
@@ -37,15 +37,15 @@ struct GrainAnchor {
   std::array<Cells, 3> cell{};
   std::array<LaneArray, 3> share{};
 
-  /// Of one lane.
+  /// Sets one lane.
   void set(std::size_t lane, const Eigen::Vector3d& anchor_m, double frequency_pm,
            double upright = 1.0);
 };
 
 struct Grain {
-  LaneArray patch;       ///< Of the three coarsest octaves, about -1 .. 1.
-  LaneArray brightness;  ///< Of all octaves; rms about 0.4 for one octave of weight 1.
-  LaneArray slope_x, slope_y, slope_z;  ///< Of relief: from the third octave on, all alike.
+  LaneArray patch;       ///< Sum of the three coarsest octaves, about -1 .. 1.
+  LaneArray brightness;  ///< Sum of all octaves; rms about 0.4 for one octave of weight 1.
+  LaneArray slope_x, slope_y, slope_z;  ///< Relief: octaves from the third on, all alike.
 };
 
 void sum_grain(const GrainPoints& points, const GrainAnchor& anchor, Grain& grain);
@@ -64,7 +64,7 @@ struct Stones {
   LaneArray share;                      ///< 0 .. 1 of the point is stone.
   LaneArray tone;                       ///< Brightness of that stone against the mean one.
   LaneArray gap;                        ///< Light that is left between stones.
-  LaneArray slope_x, slope_y, slope_z;  ///< Of the stone's dome, in space.
+  LaneArray slope_x, slope_y, slope_z;  ///< Slope of the stone's dome, in space.
 };
 
 /// `density`: share of the lattice's cells that hold a stone; 0 in lanes without stones.

@@ -311,7 +311,8 @@ Shade shade_of(SurfaceKind kind) {
 
 namespace {
 
-/// Of the first entry of that label, tinted where it has a colour; nothing when there is none.
+/// Returns the shade of the first entry with that label, tinted if it has a colour; nothing if
+/// there is none.
 template <class Look>
 std::optional<Shade> find_look(std::string_view label, std::span<const Look> known) {
   const auto found = std::ranges::find(known, label, &Look::label);

@@ -75,17 +75,17 @@ struct Albedo {
 /// A surface as it is shaded.
 struct Shade {
   Albedo one{}, two{};        ///< Two tints, blended in patches.
-  float frequency_pm = 1.0F;  ///< Of the coarsest octave of the grain: one over its cell.
-  float upright = 1.0F;       ///< Frequency along z against that: below 1 fibres, above 1 beds.
-  float grain = 0.0F;         ///< Rms of one octave of brightness at the coarsest one.
-  float persistence = 0.8F;   ///< Of the next finer one.
+  float frequency_pm = 1.0F;  ///< One over the cell of the grain's coarsest octave.
+  float upright = 1.0F;       ///< Ratio of its value along z: below 1 fibres, above 1 beds.
+  float grain = 0.0F;         ///< Rms brightness of the coarsest octave.
+  float persistence = 0.8F;   ///< Weight of an octave relative to the next coarser one.
   float relief = 0.0F;        ///< Slope of one octave, from the third one on, all alike.
   float gloss = 0.0F;         ///< Reflectance of the coat, head on.
   float sharpness = 1.0F;     ///< Exponent of its lobe.
   float transmission = 0.0F;  ///< Share of the diffuse light that leaves on the other side.
   float variation = 0.0F;     ///< Rms difference in brightness from triangle to triangle.
   float soaks = 0.0F;         ///< 1: rain darkens it.
-  float film = 0.0F;          ///< Of the wet surface, share under a film of water.
+  float film = 0.0F;          ///< Share of the wet surface under a film of water.
   float stones = 0.0F;        ///< Share of the lattice's cells with a stone in them, 0 .. 1.
   Albedo stone{};             ///< Mean of the stones.
   Panes panes{};

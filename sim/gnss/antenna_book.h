@@ -20,7 +20,7 @@ class AntennaBook {
  public:
   static constexpr std::size_t kRemembered = 256;
 
-  /// Times of one name not earlier than the one before.
+  /// Notes an antenna's place at an epoch; times of one name must not decrease.
   void note(std::string_view name, SimTime time, const Eigen::Vector3d& p_W) {
     auto found = tracks_.find(name);
     if (found == tracks_.end()) {
@@ -31,8 +31,8 @@ class AntennaBook {
     ++track.next;
   }
 
-  /// visit(id, p_W) of each antenna but `self` that had an epoch at that instant. An antenna keeps
-  /// its id, which no other has.
+  /// Calls visit(id, p_W) for each antenna but `self` that had an epoch at that instant. Each
+  /// antenna has an id of its own, which never changes.
   template <class Visit>
   void each(SimTime time, std::string_view self, Visit visit) const {
     for (const auto& [name, track] : tracks_) {

@@ -53,7 +53,7 @@ double from_angle_steps(std::int64_t steps) {
 struct StatedMotion {
   double root_axis = 0.0;
   double difference_radps = 0.0;
-  std::int64_t change_steps = 0;  ///< Of the mean anomaly in two hours.
+  std::int64_t change_steps = 0;  ///< Change of the mean anomaly in two hours.
 };
 
 /// The motion nearest to the nominal one whose two hours are a whole number of steps, and the first
@@ -132,8 +132,8 @@ State moved(const State& s, double step_s) {  // Runge and Kutta
 /// of the phase.
 struct OblateOrbit {
   static constexpr std::size_t kHarmonics = 5;
-  double rate_radps = 0.0;       ///< Of the phase.
-  double node_rate_radps = 0.0;  ///< In axes that do not turn.
+  double rate_radps = 0.0;       ///< Rate of the phase.
+  double node_rate_radps = 0.0;  ///< In axes that do not rotate.
   std::array<Eigen::Vector3d, kHarmonics> harmonics;
 };
 
@@ -209,7 +209,7 @@ OblateOrbit oblate_orbit(double radius_m, double inclination_rad) {
   return orbit;
 }
 
-/// The same for all slots.
+/// Returns the orbit that all slots share.
 const OblateOrbit& glonass_orbit() {
   static const OblateOrbit kOrbit = [] {
     const NominalOrbit nominal = nominal_orbits(GnssSystem::glonass).front();

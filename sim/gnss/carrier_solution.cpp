@@ -339,6 +339,8 @@ void CarrierEngine::advance_service(const CorrectionInput& input, CorrectionOutp
   put_error(sigma_m, sigma_m * p.vertical_ratio, output);
 }
 
+/// Advances the errors of carrier positions at every epoch, then what depends on the kind of
+/// corrections: SBAS scales errors of the code position, the others may replace its error.
 CorrectionOutput CarrierEngine::advance(const CorrectionInput& input) {
   CorrectionOutput output;
   if (parameters_.kind == CorrectionKind::none) {

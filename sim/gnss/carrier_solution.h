@@ -55,15 +55,15 @@ enum class CorrectionKind : unsigned char { none, sbas, service, rtk, assumed_rt
 
 struct CorrectionParameters {
   CorrectionKind kind = CorrectionKind::none;
-  double interval_s = 1.0;      ///< Of corrections; above 0. Not of rtk.
-  double latency_s = 0.6;       ///< From their measurement to their arrival. Not of rtk.
-  double largest_age_s = 60.0;  ///< Older corrections are not applied. rtk: the receiver says it.
-  double sbas_share = 0.7;      ///< Of orbit, clock and ionosphere errors that SBAS leaves.
+  double interval_s = 1.0;      ///< Interval of corrections, above 0; not for rtk.
+  double latency_s = 0.6;       ///< From their measurement to their arrival; not for rtk.
+  double largest_age_s = 60.0;  ///< Older corrections are not applied; rtk: the receiver's.
+  double sbas_share = 0.7;      ///< Share of orbit, clock and ionosphere errors that SBAS leaves.
 
   double baseline_m = 500.0;           ///< Assumed RTK: distance from the base station.
   double fixed_horizontal_m = 0.01;    ///< RTK fixed: 1 sigma, radial, without the baseline.
   double fixed_vertical_m = 0.02;      ///< RTK fixed: 1 sigma.
-  double fixed_per_baseline = 1e-6;    ///< On both.
+  double fixed_per_baseline = 1e-6;    ///< Added to both per metre of baseline.
   double float_start_m = 1.0;          ///< RTK float, per axis: at the start ...
   double float_end_m = 0.2;            ///< ... and after long; exponentially between,
   double float_decay_s = 20.0;         ///< with this time constant.
@@ -80,7 +80,7 @@ struct CorrectionParameters {
   double vertical_ratio = 2.0;     ///< Float and service: vertical over one horizontal axis.
   double service_bridge_s = 60.0;  ///< A loss not longer than this costs no convergence.
 
-  double correlation_s = 40.0;  ///< Of the errors of carrier positions.
+  double correlation_s = 40.0;  ///< Correlation time of the errors of carrier positions.
 };
 void visit(fields::Visitor& v, CorrectionParameters& p);
 
@@ -92,10 +92,10 @@ void validate(const CorrectionParameters& parameters);
 /// against the next best ones fails (an estimate; a ZED-F9P in fields and forest was fixed half of
 /// the time and less, Stefal/rtkbase #351).
 struct CarrierCount {
-  int used = 0;           ///< For the fix.
-  int line_of_sight = 0;  ///< Of these: not mirrored, and strong enough for its carrier.
-  int held = 0;           ///< Of these: without a slip for two seconds.
-  int two_band = 0;       ///< Of these: the second band, too.
+  int used = 0;           ///< Used for the fix.
+  int line_of_sight = 0;  ///< Those not mirrored, with a carrier strong enough for use.
+  int held = 0;           ///< Those of line_of_sight without a slip for two seconds.
+  int two_band = 0;       ///< Those of held that have the second band, too.
   [[nodiscard]] bool can_fix(std::uint32_t least) const {
     return held >= static_cast<int>(least) && 2 * held >= used;
   }

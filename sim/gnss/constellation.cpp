@@ -147,7 +147,7 @@ class NominalConstellation final : public Constellation {
   }
 
   std::vector<Satellite> satellites_;
-  std::vector<Place> places_;  ///< Of satellites_.
+  std::vector<Place> places_;  ///< In the order of satellites_.
   bool gps_ = false;
   std::vector<KeplerBroadcast> galileo_;
   std::vector<KeplerBroadcast> beidou_;
@@ -270,7 +270,8 @@ class FileConstellation final : public Constellation {
   }
 
   std::vector<Satellite> satellites_;
-  std::vector<std::vector<GpsEphemeris>> sets_;  ///< As satellites_.
+  /// Sets of each satellite, in the order of satellites_.
+  std::vector<std::vector<GpsEphemeris>> sets_;
   KlobucharParameters ionosphere_;
   GpsUtcParameters utc_;
   mutable BroadcastCache<std::array<Selection, 32>> broadcasts_;

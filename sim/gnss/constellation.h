@@ -28,7 +28,7 @@ inline constexpr double kGpsL1_hz = 1'575.42e6;
 
 struct Satellite {
   GnssSystem system = GnssSystem::gps;
-  std::uint8_t number = 0;  ///< As in SatelliteView.
+  std::uint8_t number = 0;  ///< Number within the system, as in SatelliteView.
 
   friend bool operator==(const Satellite&, const Satellite&) = default;
 };

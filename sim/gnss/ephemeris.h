@@ -44,10 +44,11 @@ inline constexpr OrbitConstants kEarthOfBeidou{3.986'004'418e14, 7.292'115'0e-5}
 /// cannot hold.
 [[nodiscard]] GpsEphemeris quantised(const GpsEphemeris& ephemeris);
 
-/// The same orbit and clock under a reference time `later_s` later (or earlier, when negative;
-/// a multiple of 16 s), as the next upload would state it, quantised: at its own reference time it
-/// is within 4 cm of the orbit that it continues. Issues move on by `issues`. A clock is continued
-/// for a week and then stays, so that no drift leaves the field's range. Precondition: quantised.
+/// Returns the same orbit and clock for a reference time `later_s` later (or earlier, when
+/// negative; a multiple of 16 s), as the next upload would state it, quantised: at its own
+/// reference time it is within 4 cm of the orbit that it continues. Adds `issues` to the issue
+/// numbers. A clock is continued for a week and then stays, so that no drift leaves the field's
+/// range. Precondition: quantised.
 [[nodiscard]] GpsEphemeris reissued(const GpsEphemeris& ephemeris, std::int64_t later_s,
                                     std::int64_t issues);
 

@@ -1,5 +1,5 @@
 // What satellites and air do to every receiver alike: one field of errors for all receivers of a
-// rig, a function of satellite, place and time. Nobody draws anything when it is asked.
+// rig, a function of satellite, place and time. Evaluating it draws no random numbers.
 //
 // Each part is a sum of waves whose frequencies are drawn by what they are to be like, at the start
 // and by name (so that the satellites that there are change nothing of each other):
@@ -36,10 +36,11 @@ namespace rigwire::sim {
 
 class ErrorField {
  public:
-  /// The same satellites and seed give the same field.
+  /// The field depends on satellites and seed alone.
   ErrorField(std::span<const Satellite> satellites, std::uint64_t seed);
 
-  // All of variance 1. Time since the start of the simulation; places and directions earth-fixed.
+  // All values have variance 1. Times are since the start of the simulation; places and directions
+  // are earth-fixed.
 
   /// Orbit and clock of satellite `index`; `direction_E` unit, from the antenna.
   [[nodiscard]] double satellite(std::size_t index, double time_s, double correlation_s,
@@ -60,7 +61,7 @@ class ErrorField {
     Eigen::Vector3d number = Eigen::Vector3d::Zero();
     double phase = 0.0;
   };
-  /// Of a satellite nothing depends on the place of the antenna.
+  /// Wave of a satellite's errors, which do not depend on the antenna's place.
   struct TimeWave {
     double frequency = 0.0;
     double phase = 0.0;
@@ -77,7 +78,7 @@ class ErrorField {
   };
 
   std::vector<SatelliteWaves> satellites_;
-  mutable std::mutex mutex_;  ///< Of:
+  mutable std::mutex mutex_;  ///< Guards values_.
   mutable std::vector<SatelliteValue> values_;
   std::array<Wave, kFieldWaves> ionosphere_;
   std::array<Wave, kFieldWaves> troposphere_;

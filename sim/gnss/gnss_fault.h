@@ -19,8 +19,8 @@
 
 namespace rigwire::sim {
 
-/// What of the spectrum is disturbed: L1, E1, B1 (1559 to 1610 MHz) or L2, E5b, B2 (1191 to 1254
-/// MHz), which receivers of two bands hear by a radio part each.
+/// Jammed part of the spectrum: L1, E1, B1 (1559 to 1610 MHz) or L2, E5b, B2 (1191 to 1254 MHz).
+/// Receivers of two bands have a radio part for each.
 enum class JammedBand : unsigned char { all, l1, l2 };
 
 struct OutageFault {
@@ -41,7 +41,7 @@ struct SpoofDriftFault {
       "spoofing", "Strong false signals, consistent with each other, drift away."};
 
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::UnitX();  ///< East, north, up.
-  double clock_rate_mps = 0.0;                              ///< Of all ranges.
+  double clock_rate_mps = 0.0;                              ///< Rate common to all ranges.
 };
 struct JumpFault {
   static constexpr fields::Named kNamed{"jump", "The signals of a place beside the true one."};
@@ -85,11 +85,12 @@ void visit(fields::Visitor& v, GnssFault& p);
 struct GnssFaultState {
   bool no_signal = false;
   AntennaState antenna = AntennaState::ok;
-  double jamming_db = 0.0;         ///< Of the first band ...
-  double second_jamming_db = 0.0;  ///< ... and of the second.
+  double jamming_db = 0.0;         ///< Loss of C/N0 in the first band.
+  double second_jamming_db = 0.0;  ///< Loss of C/N0 in the second band.
   bool spoofed = false;
   bool corrections_lost = false;
-  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< East, north, up, of the place received.
+  /// East, north, up; from the true to the received place.
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d offset_rate_mps = Eigen::Vector3d::Zero();
   double clock_offset_m = 0.0;  ///< Common to all ranges.
   double clock_offset_rate_mps = 0.0;

@@ -26,7 +26,7 @@ enum class QuadrantRule : unsigned char {
 
 enum class ErrorModel : unsigned char {
   engine,    ///< Default. Errors of each measurement, and what a receiver's filter makes of them.
-  coloured,  ///< The same errors of pseudoranges; each epoch by least squares of its own.
+  coloured,  ///< Errors of pseudoranges as in `engine`; each epoch solved alone by least squares.
   paper,     ///< Wolf et al. 2020, Eq. 1 to 3: dilution times noise; crowns block, edges are sharp.
 };
 

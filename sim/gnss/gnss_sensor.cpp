@@ -62,7 +62,8 @@ void list_directions(std::span<ReceivedSatellite* const> satellites,
   }
 }
 
-/// As the paper's table has it, or by geometry, which the other models always go by.
+/// Returns the dilution model: in the error model `paper` the chosen one, else always the geometric
+/// one.
 std::unique_ptr<DilutionModel> dilution_of(const GnssParameters& parameters) {
   return make_dilution(parameters.error_model == ErrorModel::paper ? parameters.dilution
                                                                    : DilutionKind::geometric);
@@ -206,7 +207,7 @@ void GnssSensor::take_corrections(const Epoch& epoch) {
   const auto navigation = constellation_->navigation(time);
   const double time_of_week_s = static_cast<double>(time.time_of_week_ns) * 1e-9;
   const Eigen::Vector3d origin_E_m = frame_.to_ecef(Eigen::Vector3d::Zero());
-  // As measure() has them of this antenna.
+  // Delays as measure() computes them for this antenna.
   const auto delay_of = [&](std::size_t index, const Eigen::Vector3d& p_E_m,
                             const Eigen::Vector3d& direction_E) {
     const Eigen::Vector3d p_W = frame_.world_from_ecef() * (p_E_m - origin_E_m);
@@ -516,7 +517,8 @@ void GnssSensor::coast(const Epoch& epoch, GnssSample& sample) {
 
 GnssSample GnssSensor::sample(SimTime time, const LinkMotion& antenna,
                               const Visibility& visibility) {
-  // The same draws at every epoch, whatever is visible: one device's sky never shifts its noise.
+  // Each epoch draws the same numbers, whatever is visible: one device's sky never shifts its
+  // noise.
   const double step_s = last_ == kNever ? 0.0 : to_seconds(time - last_);
   for (GaussMarkov& axis : unit_error_) {
     axis.advance(step_s, parameters_.correlation_time_s, random_);

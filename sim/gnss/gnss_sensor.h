@@ -30,8 +30,8 @@
 // at which it measures), and raw measurements (observations.h), whose pseudoranges have the very
 // errors of the solution. The paper's model has no range errors, so raw ranges are exact in it.
 //
-// Of all receivers with one seed the errors of satellites and air are one function of satellite,
-// place and time (error_field.h); multipath and noise are each one's own.
+// All receivers with one seed share the errors of satellites and air, a function of satellite,
+// place and time (error_field.h); multipath and noise are each receiver's own.
 #pragma once
 
 #include <Eigen/Core>
@@ -64,7 +64,7 @@
 
 namespace rigwire::sim {
 
-/// Eq. 3.
+/// Returns the kind of fix for a number of satellites by Eq. 3.
 [[nodiscard]] GnssFix fix_by_count(int satellites);
 
 class GnssSensor {
@@ -74,17 +74,17 @@ class GnssSensor {
   GnssSensor(const GnssParameters& parameters, std::shared_ptr<const Constellation> constellation,
              const Calendar& calendar, const LocalFrame& frame, std::uint64_t seed,
              std::string_view name);
-  /// The same with the nominal slots of the systems received.
+  /// Uses the nominal slots of the received systems.
   GnssSensor(const GnssParameters& parameters, const Calendar& calendar, const LocalFrame& frame,
              std::uint64_t seed, std::string_view name);
 
-  /// What the receiver's settings ask, from the next epoch on.
+  /// Applies the receiver's settings from the next epoch on.
   void command(const GnssCommand& command);
-  /// The antennas of the same world, this one among them from now on; not null. Without it the
-  /// engine can hold what base stations say against nothing but the place that they claim.
+  /// Shares the antennas of the same world, to which this one is added; not null. Without this call
+  /// the engine can check a base station only against the place that it claims.
   void share(std::shared_ptr<AntennaBook> antennas) { antennas_ = std::move(antennas); }
 
-  /// What goes wrong; of what is begun or ended the next epoch knows.
+  /// Faults of the receiver; changes take effect at the next epoch.
   [[nodiscard]] FaultBook<GnssFault>& faults() { return faults_; }
 
   /// One navigation epoch at `time` (not earlier than the one before). `antenna`: motion of the
@@ -98,11 +98,12 @@ class GnssSensor {
     ClockEpoch clock;
     GnssFaultState fault;
     Reception reception;
-    Eigen::Vector3d v_W = Eigen::Vector3d::Zero();  ///< That the ranges are of (faults).
+    /// Velocity to which the ranges refer (faults).
+    Eigen::Vector3d v_W = Eigen::Vector3d::Zero();
     Eigen::Matrix3d ned_from_world = Eigen::Matrix3d::Identity();
-    double height_m = 0.0;  ///< Above the ellipsoid, of the place that the ranges are of.
+    double height_m = 0.0;  ///< Above the ellipsoid, at the place to which the ranges refer.
     std::vector<ReceivedSatellite*> used;
-    bool augmented = false;  ///< An SBAS satellite is heard above the mask.
+    bool augmented = false;  ///< An SBAS satellite is received above the mask.
     CorrectionOutput corrections;
     Eigen::Vector3d error_ned_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d velocity_error_ned_mps = Eigen::Vector3d::Zero();
@@ -144,7 +145,7 @@ class GnssSensor {
   SatelliteChannels channels_;
   CarrierEngine carrier_;
   ReferenceStation station_;
-  std::shared_ptr<const GnssCorrections> corrections_;  ///< That the station is of.
+  std::shared_ptr<const GnssCorrections> corrections_;  ///< Those that station_ took last.
   std::shared_ptr<AntennaBook> antennas_ = std::make_shared<AntennaBook>();
   Observations observations_;
   std::vector<TrackedSignal> signals_;
@@ -156,7 +157,7 @@ class GnssSensor {
   std::array<GaussMarkov, 3> unit_error_;                    ///< Paper: east, north, up.
   Eigen::Vector3d unit_velocity_ = Eigen::Vector3d::Zero();  ///< Paper: white.
   SimTime last_ = kNever;
-  /// Of the last 3D fix, or guessed before it.
+  /// Height held in a 2D fix, from the last 3D fix or guessed before it.
   struct Held {
     double height_m = 0.0;
     double sigma_m = 0.0;

@@ -33,7 +33,7 @@ namespace rigwire::sim {
 struct MultipathParameters {
   bool enabled = true;
   double reach_m = 50.0;               ///< Surfaces farther away are not searched; (0, 500].
-  double reflection_loss_db = 8.0;     ///< Of the reflected against the direct signal; [0, 40].
+  double reflection_loss_db = 8.0;     ///< Reflected signal relative to the direct one; [0, 40].
   double correlator_spacing_m = 29.3;  ///< Early to late; 0.1 chip of C/A code; [1, 300].
   double search_distance_m = 1.0;      ///< The search is repeated after so much motion ...
   double search_period_s = 5.0;        ///< ... or after so much time; 0 = every epoch.

@@ -35,24 +35,24 @@ class NavigationEngine {
       : filter_(parameters, satellites) {}
 
   struct Epoch {
-    SimTime time{};  ///< Of the measurement; not before the last epoch's.
+    SimTime time{};  ///< Time of the measurement; not before the last epoch's.
     NavigationTruth truth;
     NavigationNoise noise;
     NavigationCorrelation correlation;
     bool still = false;  ///< The velocity is known to be zero.
   };
 
-  /// An epoch with enough satellites.
+  /// Processes an epoch with enough satellites.
   NavigationFix fix(const Epoch& epoch, std::span<const NavigationSignal> signals,
                     const std::optional<NavigationFilter::Position>& position);
-  /// An epoch without; nothing before the first fix.
+  /// Processes an epoch without; returns nothing before the first fix.
   std::optional<NavigationFix> coast(const Epoch& epoch);
-  /// A receiver that starts anew.
+  /// Restarts the receiver.
   void forget();
-  /// The last fix was without error.
+  /// Replaces the last fix by the truth.
   void set(const NavigationTruth& truth) { filter_.set(truth); }
 
-  /// Of the last fix.
+  /// Returns the filter after the last fix.
   [[nodiscard]] const NavigationFilter& filter() const { return filter_; }
 
  private:

@@ -52,8 +52,8 @@
 namespace rigwire::sim {
 
 struct NavigationParameters {
-  double code_sigma_m = 6.0;     ///< What the filter takes a pseudorange overhead for; > 0.
-  double rate_sigma_mps = 0.22;  ///< The same of a range rate; > 0.
+  double code_sigma_m = 6.0;     ///< Sigma that the filter assumes for a pseudorange overhead; > 0.
+  double rate_sigma_mps = 0.22;  ///< Sigma that the filter assumes for a range rate overhead; > 0.
 };
 void visit(fields::Visitor& v, NavigationParameters& p);
 
@@ -92,13 +92,13 @@ struct NavigationCorrelation {
   double troposphere_s = 1800.0;
   double orbit_s = 7200.0;
   double multipath_s = 120.0;  ///< At the present speed.
-  double carrier_s = 40.0;     ///< Of positions by carriers.
+  double carrier_s = 40.0;     ///< For positions by carriers.
 };
 
 /// What drives the prediction.
 struct NavigationNoise {
   double horizontal = 0.45;        ///< White acceleration, m/s per sqrt(s), per axis.
-  double vertical = 0.32;          ///< The same.
+  double vertical = 0.32;          ///< Vertical white acceleration, m/s per sqrt(s).
   double clock_rate_mps2s = 0.04;  ///< (m/s)^2 per second.
   double clock_m2ps = 0.01;        ///< m^2 per second.
 };
@@ -112,9 +112,9 @@ class NavigationFilter {
   /// `satellites`: how many sources there may be.
   NavigationFilter(const NavigationParameters& parameters, std::size_t satellites);
 
-  /// Knows nothing any more.
+  /// Discards the state.
   void forget() { begun_ = false; }
-  /// Whether it ever had an update since it knew nothing.
+  /// Whether it has had an update since construction or forget().
   [[nodiscard]] bool begun() const { return begun_; }
 
   /// `step_s` >= 0 on.
@@ -145,14 +145,14 @@ class NavigationFilter {
   [[nodiscard]] Eigen::Vector3d v_W() const { return v_W_; }
   [[nodiscard]] double clock_m() const { return clock_m_; }
   [[nodiscard]] double clock_rate_mps() const { return clock_rate_mps_; }
-  /// Of the position, from M, world axes, as many times larger as ranges disagree.
+  /// Returns the position's covariance from M, world axes, times disagreement().
   [[nodiscard]] Eigen::Matrix3d position_covariance_m2() const {
     return disagreement() * actual_.topLeftCorner<3, 3>();
   }
   /// At least 1: squared innovations of ranges over their variances, beyond what is usual, over
   /// some seconds.
   [[nodiscard]] double disagreement() const;
-  /// Of the velocity, from P, world axes.
+  /// Returns the velocity's covariance from P, world axes.
   [[nodiscard]] Eigen::Matrix3d velocity_covariance() const { return believed_.block<3, 3>(3, 3); }
   [[nodiscard]] double clock_variance_m2() const;
   [[nodiscard]] double clock_rate_variance() const;
@@ -160,7 +160,7 @@ class NavigationFilter {
  private:
   struct Row {
     State h = State::Zero();
-    double variance = 1.0;  ///< That the filter takes it for.
+    double variance = 1.0;  ///< Variance that the filter assumes.
     double white = 1.0;     ///< Variance of what does not stay.
     double innovation = 0.0;
     double stays_m = 0.0;  ///< Standard deviation of what stays, of a position by carriers.
@@ -178,7 +178,7 @@ class NavigationFilter {
 
   NavigationParameters parameters_;
   bool begun_ = false;
-  double step_s_ = 0.0;      ///< Of the last prediction.
+  double step_s_ = 0.0;      ///< Step of the last prediction.
   double innovation_ = 0.0;  ///< Mean squared innovation of ranges over variance, smoothed.
   Eigen::Vector3d p_W_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d v_W_ = Eigen::Vector3d::Zero();
@@ -189,7 +189,7 @@ class NavigationFilter {
   Covariance actual_ = Covariance::Zero();               ///< M.
   /// Covariances of the state's error with what stays, each of variance 1: M's other part.
   Eigen::Matrix<double, kStates, static_cast<int>(kCommonErrors)> with_common_;
-  /// The same of the errors of positions by carriers: north, east, down.
+  /// Covariances of the state's error with the errors of positions by carriers: north, east, down.
   Eigen::Matrix<double, kStates, 3> with_carriers_;
   struct Own {
     Eigen::Matrix<double, kStates, 2> with = Eigen::Matrix<double, kStates, 2>::Zero();

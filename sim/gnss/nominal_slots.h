@@ -9,9 +9,8 @@
 // turns the node's longitude is stated anew, which moves an orbit by at most 2 cm. So:
 //  - mean motion of one ground track a day (within 1.2e-4 deg/day), stated by axis (26 559.1 km)
 //  and
-//  a
-//    delta n of its own for each satellite, 3.7e-9 .. 5.0e-9 rad/s (real ones: 3.7 to 5.1e-9); node
-//    -8.0e-9 rad/s as the earth's oblateness makes it;
+//    a delta n of its own for each satellite, 3.7e-9 .. 5.0e-9 rad/s (real ones: 3.7 to 5.1e-9);
+//    node -8.0e-9 rad/s as the earth's oblateness makes it;
 //  - eccentricity 0.002 .. 0.010 by PRN (the standard allows 0.02), so that relativity shows;
 //    argument of latitude as in the standard, for the mean;
 //  - harmonics of each satellite's own, of the size that real messages carry: Crs within 115 m, Crc
@@ -59,10 +58,10 @@ struct NominalOrbit {
 [[nodiscard]] SatelliteState nominal_state(const NominalOrbit& orbit, const GpsTime& time,
                                            double offset_s);
 
-/// Which two-hour interval since 1980-01-06 00:00 GPS holds `time` plus `offset_s`.
+/// Returns the two-hour interval since 1980-01-06 00:00 GPS that holds `time` plus `offset_s`.
 [[nodiscard]] std::int64_t broadcast_interval(const GpsTime& time, double offset_s = 0.0);
 
-/// What satellite `prn` (1..24) broadcasts during an interval.
+/// Returns what satellite `prn` (1..24) broadcasts during an interval.
 [[nodiscard]] GpsEphemeris nominal_gps_set(int prn, std::int64_t interval);
 
 /// A moderate ionosphere, in the message's steps: 10 ns of amplitude at the equator.

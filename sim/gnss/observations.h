@@ -40,7 +40,7 @@ struct TrackedSignal {
   double ionosphere_m = 0.0;  ///< On GPS L1. Delays the code, advances the carrier.
   double troposphere_m = 0.0;
   double code_error_m = 0.0;     ///< Noise, multipath, orbit and clock beyond the broadcast.
-  double carrier_error_m = 0.0;  ///< The same for the carrier.
+  double carrier_error_m = 0.0;  ///< Noise, multipath, orbit and clock for the carrier.
   double range_rate_error_mps = 0.0;
   bool slipped = false;  ///< The carrier's lock broke since the epoch before.
 };

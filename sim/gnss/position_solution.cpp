@@ -22,7 +22,7 @@ std::size_t clock_of(GnssSystem system) {
   return static_cast<std::size_t>(gps_time ? GnssSystem::gps : system) % kClocks;
 }
 
-/// Which column each clock has, -1 without a satellite.
+/// Column of G for each clock, -1 without a satellite.
 struct Columns {
   explicit Columns(std::span<const RangeEquation> equations, bool height_held)
       : first_clock(height_held ? 2 : 3), unknowns(first_clock) {

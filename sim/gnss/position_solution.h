@@ -31,8 +31,8 @@ struct RangeEquation {
   Eigen::Vector3d direction_ned = -Eigen::Vector3d::UnitZ();  ///< Unit, antenna to satellite.
   GnssSystem system = GnssSystem::gps;
   double error_m = 0.0;  ///< Measured less true.
-  double sigma_m = 1.0;  ///< That the receiver believes, above 0; all parts together.
-  /// Of the parts that the satellites have in common: each the factor of one random number of
+  double sigma_m = 1.0;  ///< Sigma that the receiver assumes, above 0; all parts together.
+  /// Parts of sigma_m that the satellites have in common: each the factor of one random number of
   /// variance 1.
   std::array<double, kCommonErrors> common_m{};
 };
@@ -46,7 +46,7 @@ struct HeldHeight {
 struct PositionSolution {
   Eigen::Vector3d error_ned_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_ned_m2 = Eigen::Matrix3d::Zero();  ///< Follows the sigmas alone.
-  double clock_error_m = 0.0;  ///< Of GPS time, or of the first system there is.
+  double clock_error_m = 0.0;  ///< Error of GPS time, or of the first system in the solution.
   double clock_sigma_m = 0.0;
   Dilution dilution;                ///< Unweighted; vertical NaN with a held height.
   std::vector<double> residuals_m;  ///< Per equation: what the solution does not explain.

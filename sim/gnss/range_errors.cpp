@@ -23,7 +23,7 @@ constexpr double kLeavesCorrelation_s = 3.0;  // of what leaves and branches tak
 constexpr double kLeavesLength_m = 4.0;       // ... and over this way in motion
 constexpr double kRateCorrelation_s = 2.5;    // of reflections in a range rate, at rest ...
 constexpr double kRateLength_m = 8.0;         // ... and over this way in motion
-/// Of the mistrust of a weak signal, what errors of weak signals are like.
+/// Multipath of a weak signal as share of its mistrust.
 constexpr double kWeakShare = 0.75;
 constexpr double kUsual_db = 3.0;  // fading of an open sky: no reason to distrust a signal
 constexpr double kLowestMappedSine = 0.087;  // 5 degrees: below, mappings are held

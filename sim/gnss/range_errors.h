@@ -63,7 +63,7 @@ struct RangeErrorParameters {
   double troposphere_sigma_m = 0.05;  ///< Vertical, what the model leaves.
   double troposphere_correlation_s = 1800.0;
   double code_noise_m = 0.15;              ///< At 45 dBHz.
-  double code_noise_correlation_s = 0.5;   ///< Of the code loop.
+  double code_noise_correlation_s = 0.5;   ///< Correlation time of the code loop.
   double multipath_sigma_m = 0.5;          ///< At 45 dBHz.
   double multipath_correlation_s = 120.0;  ///< At rest ...
   double multipath_length_m = 50.0;        ///< ... and over this way in motion.
@@ -72,10 +72,10 @@ struct RangeErrorParameters {
   double weak_signal_sigma_mpdb = 1.0;
   /// Multipath of the crowns that a signal comes through, for each dB that they take.
   double foliage_multipath_mpdb = 0.3;
-  double foliage_slips_psdb = 0.045;   ///< Of a carrier per second, for each of these dB.
-  double rate_noise_mps = 0.01;        ///< Of a range rate: white, at 45 dBHz ...
-  double carrier_multipath_m = 0.002;  ///< Of the carrier, at the zenith; over sin E.
-  double rate_multipath_mps = 0.02;    ///< ... and what reflections add, seconds at rest.
+  double foliage_slips_psdb = 0.045;   ///< Carrier slips per second for each of these dB.
+  double rate_noise_mps = 0.01;        ///< White noise of a range rate, at 45 dBHz.
+  double carrier_multipath_m = 0.002;  ///< Multipath of the carrier, at the zenith; over sin E.
+  double rate_multipath_mps = 0.02;    ///< What reflections add to a range rate; seconds at rest.
 };
 void visit(fields::Visitor& v, RangeErrorParameters& p);
 
@@ -104,28 +104,28 @@ struct SignalArrival {
   double azimuth_rad = 0.0;
   double elevation_rad = 0.0;
   double cn0_dbhz = 45.0;
-  double fade_db = 0.0;                ///< Of it, fading.
-  double second_weaker_db = 0.0;       ///< Than that, its second carrier.
+  double fade_db = 0.0;                ///< Fading that cn0_dbhz contains.
+  double second_weaker_db = 0.0;       ///< How much weaker its second carrier is.
   double missing_db = 0.0;             ///< Weaker by so much than under an open sky.
-  double foliage_db = 0.0;             ///< Of it, what crowns take.
-  double reflection_envelope_m = 0.0;  ///< Of reflections that join the direct signal.
-  double extra_path_m = 0.0;           ///< Of a signal without line of sight.
+  double foliage_db = 0.0;             ///< Part of missing_db that crowns take.
+  double reflection_envelope_m = 0.0;  ///< Error by reflections that join the direct signal.
+  double extra_path_m = 0.0;           ///< Extra path of a signal without line of sight.
   SharedErrors shared{};
 };
 
 /// The error of one pseudorange in parts, and what the receiver believes of it.
 struct RangeError {
-  double orbit_clock_m = 0.0;   ///< In code and carrier alike.
-  double ionosphere_m = 0.0;    ///< Delays the code, advances the carrier.
-  double troposphere_m = 0.0;   ///< In code and carrier alike.
-  double local_m = 0.0;         ///< Noise and multipath: the code's alone.
-  double carrier_m = 0.0;       ///< Noise and multipath of the carrier, not in the total.
-  double second_local_m = 0.0;  ///< The same two of the second signal.
-  double second_carrier_m = 0.0;
-  double detour_m = 0.0;        ///< Extra path without line of sight, in code and carrier alike.
-  double rate_mps = 0.0;        ///< Of the Doppler measurement, for sigma 1: coloured model.
-  double range_rate_mps = 0.0;  ///< The same by its own parameters: engine.
-  double range_rate_noise_mps = 0.0;  ///< What the receiver believes of that.
+  double orbit_clock_m = 0.0;     ///< In code and carrier alike.
+  double ionosphere_m = 0.0;      ///< Delays the code, advances the carrier.
+  double troposphere_m = 0.0;     ///< In code and carrier alike.
+  double local_m = 0.0;           ///< Noise and multipath: the code's alone.
+  double carrier_m = 0.0;         ///< Noise and multipath of the carrier, not in the total.
+  double second_local_m = 0.0;    ///< Noise and multipath of the second signal's code.
+  double second_carrier_m = 0.0;  ///< Noise and multipath of the second signal's carrier.
+  double detour_m = 0.0;          ///< Extra path without line of sight, in code and carrier alike.
+  double rate_mps = 0.0;          ///< Error of the Doppler measurement, sigma 1: coloured model.
+  double range_rate_mps = 0.0;    ///< Error of the range rate by its own parameters: engine.
+  double range_rate_noise_mps = 0.0;  ///< Sigma that the receiver assumes for it.
   /// What corrections, or a second band, take out of orbit, clock and ionosphere before the range
   /// is used: in the total, not in what is measured.
   double corrected_m = 0.0;
@@ -136,8 +136,8 @@ struct RangeError {
   double multipath_sigma_m = 0.0;
   double orbit_sigma_m = 0.0;
   double mistrust_sigma_m = 0.0;
-  /// Of it, what all satellites share: ionosphere at the zenith, its gradients north and east,
-  /// troposphere.
+  /// Parts of sigma_m that all satellites share: ionosphere at the zenith, its gradients north and
+  /// east, troposphere.
   std::array<double, kCommonErrors> common_m{};
   [[nodiscard]] double total_m() const {
     return orbit_clock_m + ionosphere_m + troposphere_m + local_m + detour_m - corrected_m;
@@ -148,11 +148,11 @@ struct RangeError {
 class SatelliteErrors {
  public:
   SatelliteErrors(std::uint64_t seed, std::string_view name);
-  /// `step_s` since the last call, however long the satellite was out of sight.
+  /// Advances by `step_s` since the last call, however long the satellite was out of sight.
   void advance(const RangeErrorParameters& parameters, double step_s, double speed_mps);
-  /// The same for what a second signal has of its own; without it that has no errors.
+  /// Advances what a second signal has of its own; without this call it has no errors.
   void advance_second(const RangeErrorParameters& parameters, double step_s, double speed_mps);
-  /// The same for the fading alone.
+  /// Advances the fading alone.
   void fade(double step_s, double speed_mps);
   /// Moves on along the walls that reflect the signal; returns whether another part of them does
   /// so now.
@@ -168,7 +168,7 @@ class SatelliteErrors {
   [[nodiscard]] double fading() const { return fading_.value(); }
   /// Unit fading by leaves and branches.
   [[nodiscard]] double foliage_fading() const { return foliage_fading_.value(); }
-  /// Of mean 1, exponentially distributed: excess of a reflected path.
+  /// Returns the excess of a reflected path, exponentially distributed with mean 1.
   [[nodiscard]] double scattered() const { return scattered_; }
 
  private:

@@ -36,7 +36,7 @@ void validate(const ReceiverClockParameters& parameters);
 /// One measurement epoch. Exactly: wanted + label_offset = wanted + measured_after_s + bias_s.
 struct ClockEpoch {
   double measured_after_s = 0.0;  ///< By true time; within half a millisecond.
-  Duration measured_after{0};     ///< The same in whole nanoseconds.
+  Duration measured_after{0};     ///< measured_after_s in whole nanoseconds.
   Duration label_offset{0};       ///< What the clock shows, less the wanted time: -1, 0 or 1 ms.
   bool reset = false;             ///< Set by a millisecond since the epoch before.
   double bias_s = 0.0;            ///< Clock less true time, at the measurement.

@@ -47,8 +47,7 @@
 
 namespace rigwire::sim {
 
-/// How much longer than the range code and carrier are by orbit and air, as the messages of the
-/// sky's satellites do not tell it, metres.
+/// What orbit and air add to code and carrier beyond what the satellites' messages report, metres.
 struct KnownDelay {
   double common_m = 0.0;
   double ionosphere_m = 0.0;  ///< On GPS L1; delays the code, advances the carrier.
@@ -73,14 +72,14 @@ class ReferenceStation {
   void take(const GnssCorrections& corrections, const GpsTime& time, const DelayOf& delay_of,
             std::span<const KnownAntenna> antennas);
 
-  /// Whether the station has that satellite, soundly; on its second band, too.
+  /// Whether the station has sound measurements of that satellite; on its second band, too.
   [[nodiscard]] bool has(std::size_t index) const { return sound_[index].first; }
   [[nodiscard]] bool has_second(std::size_t index) const { return sound_[index].second; }
-  /// The carriers bear a place out.
+  /// Whether the carriers confirm a place.
   [[nodiscard]] bool carriers_agree() const { return carriers_agree_; }
   /// Claimed place less true place, as far as the engine would be misled.
   [[nodiscard]] const Eigen::Vector3d& claim_error_E_m() const { return claim_error_E_m_; }
-  /// Covariance of that error, earth-fixed; 0 while the carriers bear a place out.
+  /// Covariance of that error, earth-fixed; 0 while the carriers confirm a place.
   [[nodiscard]] const Eigen::Matrix3d& claim_covariance_m2() const { return covariance_m2_; }
 
  private:
@@ -91,23 +90,23 @@ class ReferenceStation {
   struct Row {
     std::size_t index = 0;
     const GnssCorrections::Signal* signal = nullptr;
-    double range_m = 0.0;  ///< As told, with the milliseconds that were missing.
+    double range_m = 0.0;  ///< Reported pseudorange, missing milliseconds restored.
     double phase_m = 0.0;
     double residual_m = 0.0;
-    double inverse_sine = 1.0;  ///< Of the elevation.
+    double inverse_sine = 1.0;  ///< One over the sine of the elevation.
   };
   struct Fit {
     Eigen::Vector3d p_E_m = Eigen::Vector3d::Zero();
     double clock_m = 0.0;
-    Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();  ///< Of the place.
+    Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();  ///< Covariance of p_E_m.
   };
   /// How badly the carriers fit a place.
   struct Misfit {
-    double squares = 0.0;  ///< Over their variances.
+    double squares = 0.0;  ///< Squared residuals over their variances.
     std::size_t differences = 0;
     [[nodiscard]] bool passes() const;
   };
-  /// Which antenna the station is; none: it stands where it claims.
+  /// Antenna that the station is; empty: it is where it claims to be.
   struct Identity {
     std::optional<std::size_t> antenna;
     friend bool operator==(const Identity&, const Identity&) = default;

@@ -24,8 +24,8 @@ constexpr double kTwoBandIonosphere = 0.15;
 constexpr double kSpoofedCn0_dbhz = 50.0;
 constexpr double kSpoofedFading_db = 0.3;
 
-/// Of the systems of augmentation WAAS alone offers ranges that count; EGNOS has none, the others
-/// are taken as without.
+/// Returns whether a satellite's ranges count. Among the augmentation systems only WAAS offers such
+/// ranges; EGNOS has none, the others are taken as without.
 bool gives_ranges(const Satellite& satellite) {
   constexpr std::array<std::uint8_t, 4> kWaas{131, 133, 135, 138};
   return satellite.system != GnssSystem::sbas ||
@@ -186,6 +186,9 @@ void SatelliteChannels::advance_errors(const Reception& reception) {
   }
 }
 
+/// Adds fading and the faults' jamming or spoofing to C/N0 and advances each tracking loop. A
+/// carrier slips when its signal is acquired or changes between direct and reflected, at random
+/// under crowns, and when another part of a wall reflects it.
 void SatelliteChannels::track(const Reception& reception, const GnssFaultState& fault) {
   const bool paper = parameters_.error_model == ErrorModel::paper;
   std::uint32_t busy = 0;

@@ -31,8 +31,9 @@ constexpr double kCarrierCn0_dbhz = 27.0;
 struct Reception {
   SimTime time{};
   GpsTime gps;
-  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();         ///< Of the antenna, for the scene.
-  Eigen::Vector3d ranges_p_W = Eigen::Vector3d::Zero();  ///< That the ranges are of (faults).
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  ///< Place of the antenna in the scene.
+  /// Place to which the ranges refer (faults).
+  Eigen::Vector3d ranges_p_W = Eigen::Vector3d::Zero();
   double speed_mps = 0.0;
 };
 
@@ -52,10 +53,10 @@ struct ReceivedSatellite {
   bool carries = false;    ///< Its carrier is good for a carrier solution.
   bool slipped = false;    ///< Acquired, changed between direct and reflected signal, or by crowns.
   double held_s = 0.0;     ///< Since the carrier slipped last.
-  bool two_bands = false;  ///< Its ionosphere is known by two bands: the sensor's business.
+  bool two_bands = false;  ///< Its ionosphere is known by two bands; set by the sensor.
   bool usable = false;     ///< Tracked, healthy, above the mask.
-  bool used = false;       ///< Takes part in the fix: the sensor's business.
-  double residual_m = 0.0;  ///< The same: what the fix does not explain.
+  bool used = false;       ///< Takes part in the fix; set by the sensor.
+  double residual_m = 0.0;  ///< What the fix does not explain; set by the sensor.
   RangeError error;         ///< When tracked, coloured model.
 };
 
@@ -93,7 +94,7 @@ class SatelliteChannels {
     SimTime last = kNever;
     SkyArrival arrival;
     bool direct = false;     ///< At the epoch before.
-    bool carries = false;    ///< The same.
+    bool carries = false;    ///< At the epoch before.
     bool slips = false;      ///< Under crowns, since then.
     bool scattered = false;  ///< Another part of a wall reflects it, since then.
     SimTime held = kNever;   ///< Since when the carrier is.
@@ -116,16 +117,16 @@ class SatelliteChannels {
   GnssParameters parameters_;
   std::shared_ptr<const Constellation> constellation_;
   std::vector<Channel> channels_;
-  std::vector<std::size_t> indices_;         ///< Of channels_, in the constellation ...
-  std::vector<SatelliteState> states_;       ///< ... and where they are.
-  std::shared_ptr<const ErrorField> field_;  ///< Of all receivers.
+  std::vector<std::size_t> indices_;         ///< Constellation indices of channels_.
+  std::vector<SatelliteState> states_;       ///< States of these satellites.
+  std::shared_ptr<const ErrorField> field_;  ///< Shared by all receivers.
   /// Where and when the ranges are received.
   double time_s_ = 0.0;
   Eigen::Vector3d p_E_m_ = Eigen::Vector3d::UnitX();
   Eigen::Matrix3d ecef_from_world_ = Eigen::Matrix3d::Identity();
   ReflectionSearch reflections_;
   std::vector<ReceivedSatellite> received_;
-  std::vector<std::uint32_t> channel_of_;  ///< Of received_.
+  std::vector<std::uint32_t> channel_of_;  ///< Channel of each of received_.
   std::vector<ReflectionSearch::Satellite> searched_;
   std::vector<bool> healthy_;
   bool near_crowns_ = false;  ///< Some signal passed through crowns, an epoch before.

@@ -30,8 +30,8 @@ struct SignalPath {
   double range_rate_mps = 0.0;         ///< Positive while it grows.
   double satellite_clock_s = 0.0;      ///< Polynomial and relativity, at transmission.
   double satellite_clock_drift = 0.0;  ///< s/s.
-  double group_delay_s = 0.0;          ///< Of the first carrier ...
-  double second_delay_s = 0.0;         ///< ... and of the second.
+  double group_delay_s = 0.0;          ///< Delay of the first carrier.
+  double second_delay_s = 0.0;         ///< Delay of the second carrier.
   double flight_s = 0.0;               ///< Time of flight.
   bool healthy = true;
 };

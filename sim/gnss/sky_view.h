@@ -1,32 +1,4 @@
-// Which satellites an antenna receives past the scene, and how strongly.
-//
-// C/N0 of satellite at elevation E:
-//
-//   horizon + (zenith - horizon) (1 - e^(-E / 20 deg)) / (1 - e^(-90 / 20))
-//   - foliage attenuation x metres of crown + 20 log10(open share)
-//   - loss at a reflection - jamming + fading
-//
-// With 11 and 52 dBHz these are 24, 39, 46, 49 and 51 dBHz at the middles of five bands of 15
-// degrees from the horizon up. A NEO-M8T on a roof has means of 24, 39, 46, 48 and 52 there
-// (gpsd's regression tests, ublox-neo-m8t); antennas of less gain, on the roof of a car, have 27
-// to 29, 35 to 38, 39 to 43, 43 to 46 and 44 to 48 in a town (26 and 48.5 dBHz here).
-//
-// Fading: sigma (1 + 2.2 (1 - sin E)), sigma from that at rest to that in motion by 1 - e^(-v / 2
-// m/s), correlated as range_errors.h says. Figures: two recordings of NEO-7Ps on drives through a
-// town, C/N0 by elevation (sd 1 dB overhead to 3 dB low at rest, 2 to 6 dB in motion; 2.9 dB from
-// one second to the next).
-//
-// The open share is the part of a narrow cone around the satellite that nothing solid blocks: a
-// signal does not end at an edge like light, its Fresnel zone does (half of it blocked: 6 dB, as at
-// a knife edge; J. D. Parsons, "The Mobile Radio Propagation Channel", 2nd ed., section 3.3). With
-// one sample the edge is sharp. Foliage takes 0.5 to 1.5 dB/m at L1 (recalled, not measured here).
-// Near crowns its mean is over a ring of 8 degrees, too: the first Fresnel zone of a crown ten
-// metres away, sqrt(0.19 m x 10 m) = 1.4 m. Leaves and branches fade a signal by 2.5 dB x
-// sqrt(loss / dB), at most 7 dB (5 to 8 dB under crowns, recalled), over 3 s at rest and 4 m in
-// motion, and never to more than an open sky gives.
-//
-// Tracking has a memory: a satellite is lost below the threshold and comes back when it has been
-// above threshold + hysteresis for the reacquisition time.
+// Satellites that an antenna receives past the scene, and how strongly.
 #pragma once
 
 #include <Eigen/Core>
@@ -56,7 +28,7 @@ struct SkyViewParameters {
   double reacquisition_time_s = 1.0;      ///< From signal to tracking, after a loss.
   double foliage_attenuation_dbpm = 1.0;  ///< dB per metre within crowns.
   SkySamples samples = SkySamples::four;
-  double cone_half_angle_deg = 1.5;     ///< Of the cone of samples; [0, 10].
+  double cone_half_angle_deg = 1.5;     ///< Cone of the samples; [0, 10].
   std::uint32_t maximum_channels = 22;  ///< Satellites that can be tracked at once; 1..184.
 };
 void visit(fields::Visitor& v, SkyViewParameters& p);
@@ -99,7 +71,7 @@ class SatelliteTracker {
   };
   /// Whether the satellite is tracked at `step.time`, not earlier than the step before.
   bool advance(const SkyViewParameters& parameters, const Step& step);
-  /// Below the horizon.
+  /// Ends tracking: the satellite is below the horizon.
   void set() {
     tracked_ = false;
     strong_since_ = kNever;

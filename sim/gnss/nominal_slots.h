@@ -8,9 +8,8 @@
 // of each are a whole number too. Consecutive sets therefore meet within 2e-6 m; when the week
 // turns the node's longitude is stated anew, which moves an orbit by at most 2 cm. So:
 //  - mean motion of one ground track a day (within 1.2e-4 deg/day), stated by axis (26 559.1 km)
-//  and
-//    a delta n of its own for each satellite, 3.7e-9 .. 5.0e-9 rad/s (real ones: 3.7 to 5.1e-9);
-//    node -8.0e-9 rad/s as the earth's oblateness makes it;
+//    and a delta n of its own for each satellite, 3.7e-9 .. 5.0e-9 rad/s (real ones: 3.7 to
+//    5.1e-9); node -8.0e-9 rad/s as the earth's oblateness makes it;
 //  - eccentricity 0.002 .. 0.010 by PRN (the standard allows 0.02), so that relativity shows;
 //    argument of latitude as in the standard, for the mean;
 //  - harmonics of each satellite's own, of the size that real messages carry: Crs within 115 m, Crc

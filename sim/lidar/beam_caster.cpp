@@ -96,7 +96,8 @@ struct BeamCaster::Beams {
   ShotNumbers shots{};
   std::array<AirEchoes, kLanes> air;
   std::array<SubRayHits, kMostSubRays> hits;
-  std::array<EchoPart, kMostSubRays + kMaxAirEchoes> parts;  ///< Of one beam after the other.
+  /// Parts of the beam that is worked on.
+  std::array<EchoPart, kMostSubRays + kMaxAirEchoes> parts;
 };
 
 struct BeamCaster::Echoes {
@@ -157,6 +158,8 @@ void BeamCaster::cast(const BlockCast& cast) const {
   }
 }
 
+/// Casts all sub-rays of a packet's beams, at most RayGroup::kMostSubRays of each beam at a time,
+/// and computes the energy that each receives in clear air (receive_hits()).
 void BeamCaster::trace(const BlockCast& cast, const RingPacket& plan, Beams& beams) const {
   const Scene::Internals& in = cast.scene.internals();
   RTCIntersectContext context;

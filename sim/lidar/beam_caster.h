@@ -58,11 +58,11 @@ class BeamCaster {
   EchoModel model_;
   EchoRules rules_;
   std::vector<SubRayAim> aims_;  ///< Those of the beam, then scattered light.
-  std::vector<float> weights_;   ///< Of the beam's own.
+  std::vector<float> weights_;   ///< Weights of the beam's own rays.
   std::vector<RayChoice> whole_group_;
   std::vector<RayChoice> last_group_;
   bool compensates_incidence_;
-  double divergence_rad_;  ///< Of a round beam of the same cross section.
+  double divergence_rad_;  ///< Divergence of a round beam of equal cross section.
   std::uint64_t air_key_;
 };
 

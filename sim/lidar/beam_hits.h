@@ -7,7 +7,7 @@
 
 namespace rigwire::sim {
 
-/// The same sub-ray of eight beams.
+/// What one sub-ray of each of eight beams has hit.
 struct SubRayHits {
   static constexpr float kNothing = std::numeric_limits<float>::infinity();
 

@@ -46,7 +46,7 @@ struct RayGroup {
   Column retro_gain;
 };
 
-/// Which rays of a group make a packet.
+/// Rays of a group that make a packet: number of the ray and of its beam in each lane.
 struct RayChoice {
   alignas(32) std::array<std::int32_t, kLanes> ray{};
   alignas(32) std::array<std::int32_t, kLanes> beam{};

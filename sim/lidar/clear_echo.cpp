@@ -23,7 +23,7 @@ struct alignas(32) ShotArray : std::array<float, kMostShots> {};
 /// What the rays of a block meet.
 struct Met {
   ShotArray range_m;
-  ShotArray cosine;       ///< Of incidence; 0 where nothing was met.
+  ShotArray cosine;       ///< Cosine of incidence; 0 where nothing was met.
   ShotArray reflectance;  ///< Diffuse; 0 where nothing was met.
   ShotArray retro;        ///< What a retro-reflector adds, as a multiple of a white surface.
   ShotArray variation;    ///< reflectance_grain.h

@@ -30,7 +30,7 @@ class ClearEcho {
   /// Constant errors of the lasers, packet by packet, lane by lane.
   struct LaserErrors {
     std::vector<float> bias_m;
-    std::vector<float> gain;  ///< Of the reflectivity.
+    std::vector<float> gain;  ///< Gain of the reflectivity.
   };
 
  private:

@@ -75,7 +75,7 @@ std::size_t DepthImage::render_row(const Scene& scene, const DepthImageView& vie
       const std::size_t column = std::min(first + lane, columns.last - 1);
       valid[lane] = first + lane < columns.last ? -1 : 0;
       const double u = static_cast<double>(column) + 0.5 - 0.5 * static_cast<double>(width_px_);
-      // Of planar depth 1, so that the ray's length is planar depth too.
+      // The direction has planar depth 1, so that the ray's length is planar depth too.
       const Eigen::Vector3d direction = in_row + (u / focal_px_) * along_row;
       packet.ray.org_x[lane] = p.x();
       packet.ray.org_y[lane] = p.y();

@@ -22,7 +22,7 @@ struct ColumnRange {
 
 /// What one rendering has in common for all pixels.
 struct DepthImageView {
-  Eigen::Isometry3d X_WS = Eigen::Isometry3d::Identity();  ///< Of the sensor.
+  Eigen::Isometry3d X_WS = Eigen::Isometry3d::Identity();  ///< Pose of the sensor.
   float time = 0.0F;                                       ///< Share of the scene's slice.
   std::uint32_t mask = Scene::kSeeEverything;
 };
@@ -55,7 +55,7 @@ class DepthImage {
   }
   [[nodiscard]] double far_m() const { return far_m_; }
 
-  /// Sets a pixel by hand.
+  /// Sets one pixel.
   void set(std::size_t pixel, float inverse_depth, std::uint32_t surface,
            const Eigen::Vector3f& normal_S);
 

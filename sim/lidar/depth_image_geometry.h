@@ -61,7 +61,7 @@ class DepthImageGeometry {
   [[nodiscard]] ImagePoint beam(std::size_t laser, double azimuth_rad) const;
   /// Where a point really is, in the image of the camera in whose sector it lies.
   [[nodiscard]] ImagePoint project(const Eigen::Vector3d& p_S) const;
-  /// The same, quicker when it lies in the sector of `likely`.
+  /// Returns project(p_S), quicker if the point lies in the sector of `likely`.
   [[nodiscard]] ImagePoint project(const Eigen::Vector3d& p_S, std::size_t likely) const;
   /// The direction that is seen at (u, v), not of unit length: of planar depth 1.
   [[nodiscard]] Eigen::Vector3d direction_S(const ImagePoint& at) const;

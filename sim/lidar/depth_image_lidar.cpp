@@ -51,7 +51,7 @@ const SpinningLidarParameters& checked(const SpinningLidarParameters& receiver) 
   return receiver;
 }
 
-/// Of one shot: no width, no depth.
+/// Sets the hit of one shot; it has no width and no depth.
 void set_hit(SubRayHits& hits, std::size_t lane, const SeenSurface& seen, float minimum_m,
              bool compensates_incidence) {
   const auto range_m = static_cast<float>(seen.range_m);
@@ -114,8 +114,8 @@ struct DepthImageLidar::State {
   std::vector<Pending> pending;
 
   std::optional<SimTime> rendered;
-  int part = 0;                 ///< Of the revolution, that the images are of.
-  std::int64_t revolution = 0;  ///< That the images are of.
+  int part = 0;                 ///< Part of the revolution that the images show.
+  std::int64_t revolution = 0;  ///< Revolution that the images show.
   std::int64_t now_in_revolution = 0;
   double azimuth_before_rad = 0.0;
 

@@ -31,10 +31,10 @@ namespace rigwire::sim {
 
 class DepthImageLidar final : public LidarSensor {
  public:
-  /// As SpinningLidar's constructor. Of `receiver`, housing_radius_m and echo_separation_m mean
-  /// nothing here. Throws std::invalid_argument for bad parameters, sub-rays or blooming, which an
-  /// image cannot give, a pattern that DepthImageGeometry refuses, or one without firing plan or
-  /// range window.
+  /// Takes what SpinningLidar's constructor takes; housing_radius_m and echo_separation_m of
+  /// `receiver` are not used. Throws std::invalid_argument for bad parameters, for sub-rays or
+  /// blooming, which an image cannot give, and for a pattern that DepthImageGeometry refuses or
+  /// that has no firing plan or range window.
   DepthImageLidar(const DepthImageParameters& parameters, const SpinningLidarParameters& receiver,
                   const LidarPattern& pattern, const SamplePlan& plan, const LidarCommand& command,
                   std::uint64_t seed, std::string_view name, const RotorParameters& rotor = {});

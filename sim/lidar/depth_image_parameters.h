@@ -17,17 +17,17 @@ enum class DepthFormat {
   fixed_24,  ///< (1/n - 1/z) / (1/n - 1/f) in 24 bits: steps of z^2 / (2^24 n), 6 mm at 100 m.
 };
 
-/// Which image row a laser has at azimuth p off the optical axis, where the image's column is
-/// x = f tan p from the middle and the laser's row on the axis is a.
+/// Image row of a laser at azimuth p off the optical axis, where the image's column is x = f tan p
+/// from the middle and the laser's row on the axis is a.
 enum class RowRule {
   straight,              ///< a everywhere.
   hyperbola_half_width,  ///< a sqrt(1 + (x / b)^2) with b = W / 2, Eq. 4 as printed.
-  hyperbola_focal,       ///< The same with b = f, a pinhole's exact image of the laser's cone.
+  hyperbola_focal,       ///< a sqrt(1 + (x / f)^2), a pinhole's exact image of the laser's cone.
 };
 
-/// Which image column an azimuth has.
+/// Image column of an azimuth.
 enum class ColumnRule {
-  uniform,    ///< As if columns were equally wide in angle.
+  uniform,    ///< Columns equally wide in angle.
   resampled,  ///< f tan p.
 };
 
@@ -40,10 +40,10 @@ enum class ElevationRule {
 /// How depth is read between pixel centres.
 enum class DepthSampling {
   nearest,
-  bilinear_depth,          ///< Of the four pixels around. Makes points in mid-air at silhouettes.
-  bilinear_inverse_depth,  ///< Of 1/z: exact on planes; the same points in mid-air.
-  edge_aware,     ///< Of 1/z where the pixels around continue each other's slope, else nearest.
-  tangent_plane,  ///< The plane through the nearest pixel with that pixel's normal.
+  bilinear_depth,          ///< z of the four pixels around; makes points in mid-air at silhouettes.
+  bilinear_inverse_depth,  ///< 1/z of them: exact on planes; makes the same points in mid-air.
+  edge_aware,              ///< 1/z of them where they continue each other's slope, else nearest.
+  tangent_plane,           ///< The plane through the nearest pixel with that pixel's normal.
 };
 
 struct DepthImageParameters {

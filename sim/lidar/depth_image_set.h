@@ -21,7 +21,7 @@ struct BeamLine {
   Eigen::Vector3d direction_S = Eigen::Vector3d::UnitX();  ///< Unit.
 };
 
-/// Of a laser while it points along an azimuth (sim/samples/lidar_sample.h).
+/// Returns the beam of a laser that points along an azimuth (sim/samples/lidar_sample.h).
 [[nodiscard]] BeamLine beam_line(const LaserGeometry& laser, double azimuth_rad);
 
 /// What a beam meets.
@@ -29,7 +29,7 @@ struct SeenSurface {
   double range_m = 0.0;  ///< From the beam's start; 0: nothing.
   float reflectance = 0.0F;
   float retro_gain = 0.0F;
-  float cosine = 0.0F;  ///< Of the angle of incidence.
+  float cosine = 0.0F;  ///< Cosine of the angle of incidence.
 };
 
 class DepthImageSet {
@@ -43,13 +43,13 @@ class DepthImageSet {
   std::uint64_t render(const Scene& scene, const DepthImageView& view, double start_rad,
                        double width_rad);
 
-  /// Along the beam of a laser with this azimuth. May be called from many threads.
+  /// Returns what the beam of a laser at this azimuth meets. May be called from many threads.
   [[nodiscard]] SeenSurface see(const Scene& scene, std::size_t laser, double azimuth_rad) const;
 
-  /// From now on. The images serve any sampling.
+  /// Sets the sampling from now on; the images serve any.
   void set_sampling(DepthSampling sampling) { sampling_ = sampling; }
 
-  /// Of the sensor when the images were rendered.
+  /// Pose of the sensor when the images were rendered.
   [[nodiscard]] const Eigen::Isometry3d& X_WS() const { return X_WS_; }
   [[nodiscard]] const DepthImageGeometry& geometry() const { return geometry_; }
   [[nodiscard]] const DepthImage& image(std::size_t camera) const { return images_[camera]; }

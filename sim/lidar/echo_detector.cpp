@@ -45,6 +45,8 @@ std::size_t link(std::span<EchoPart> parts, const EchoRules& rules) {
 
 }  // namespace
 
+/// Goes from the strongest echo down and drops each that is nearer than separation_m to a stronger
+/// one that was kept.
 DetectedEchoes detect_echoes(std::span<EchoPart> parts, const EchoRules& rules) {
   const std::span<EchoPart> echoes = parts.first(parts.empty() ? 0 : link(parts, rules));
   std::ranges::sort(echoes, [](const EchoPart& a, const EchoPart& b) {

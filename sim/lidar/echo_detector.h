@@ -28,13 +28,13 @@ struct EchoPart {
 
 struct EchoRules {
   float pulse_m = 0.75F;      ///< Half the pulse's length in space.
-  float separation_m = 1.0F;  ///< Of two echoes nearer than this the weaker one is lost.
+  float separation_m = 1.0F;  ///< The weaker of two echoes nearer to each other is lost.
   float threshold = 0.0F;     ///< Least energy of an echo that is seen.
 };
 
-/// What a receiver tells of one shot. An echo with energy 0 is none.
+/// What a receiver reports of one shot. An echo with energy 0 is none.
 struct DetectedEchoes {
-  std::size_t count = 0;  ///< Told apart.
+  std::size_t count = 0;  ///< Number of separate echoes.
   EchoPart strongest;
   EchoPart second;  ///< The second strongest.
   EchoPart last;    ///< The farthest: one of these, or a third one.

@@ -40,7 +40,7 @@ class EchoModel {
 
   /// Least energy of an echo that is seen.
   [[nodiscard]] float threshold() const { return threshold_; }
-  /// The same for an echo of the air.
+  /// Least energy of an echo of the air that is seen.
   [[nodiscard]] double air_threshold() const { return air_threshold_; }
   [[nodiscard]] double air_minimum_range_m() const { return air_minimum_m_; }
   /// Where the receiver is focused, for the air (WeatherBeam::focus_m).
@@ -50,9 +50,9 @@ class EchoModel {
   [[nodiscard]] double reach_m() const { return reach_m_; }
   /// Constant error of a laser.
   [[nodiscard]] float bias_m(std::size_t laser) const { return biases_m_[laser]; }
-  /// What it reports of the true reflectivity, about 1.
+  /// Ratio of its reported to the true reflectivity, about 1.
   [[nodiscard]] float reflectivity_gain(std::size_t laser) const { return gains_[laser]; }
-  /// Of noise_growth(); 0: errors do not depend on the signal.
+  /// Onset for noise_growth(); 0: errors do not depend on the signal.
   [[nodiscard]] float noise_onset() const { return onset_; }
 
   /// What is reported of the echoes, empty where they are too faint, outside the pattern's range

@@ -1,8 +1,8 @@
 // Up to eight firings that are cast together, so that the rays of one laser make one packet.
 //
-// Who casts a block (the fast path of spinning_lidar.cpp, or a BeamCaster with its sub-rays) goes
-// through BlockCast::packets: for each, fill_packet() makes the rays, and its LaneMap tells where
-// the result of a lane belongs.
+// The caster of a block (the fast path of spinning_lidar.cpp, or a BeamCaster with its sub-rays)
+// goes through BlockCast::packets: for each, fill_packet() makes the rays, and its LaneMap says
+// where the result of a lane belongs.
 #pragma once
 
 #include <array>
@@ -33,8 +33,8 @@ struct FiringBlock {
   std::size_t count = 0;                       ///< 1 .. 8.
   std::array<std::uint32_t, kLanes> firing{};  ///< Each one's number among those of this cast.
   FiringLanes lanes;
-  /// Of a block of less than eight firings: the same once more, in the orders in which its packets
-  /// need them (RingPacket::arrangement).
+  /// The lanes of a block of less than eight firings again, in the orders in which its packets need
+  /// them (RingPacket::arrangement).
   std::array<FiringLanes, kLanes - 1> arranged;
 };
 
@@ -46,8 +46,8 @@ inline constexpr Duration kLongestBlock = std::chrono::microseconds{500};
 void fill_block(std::span<const FiringInstant> firings, const LinkMotionInterpolation& mount_at,
                 SimTime t0, double slice_s, FiringBlock& block);
 
-/// Which firing of the block and which laser each lane of a packet carries. Lanes left over repeat
-/// rays of the last laser, and write the same results to the same places.
+/// Firing and laser that each lane of a packet carries. Lanes left over repeat rays of the last
+/// laser, and write the same results to the same places.
 struct LaneMap {
   std::array<std::uint32_t, kLanes> firing{};  ///< Place in the block.
   std::array<std::uint32_t, kLanes> laser{};
@@ -86,14 +86,14 @@ struct BlockCast {
   const LidarSlice& slice;
   const Weather* weather = nullptr;  ///< Null: clear air.
   const FiringBlock& block;
-  std::span<const RingPacket> packets;  ///< Of HeadLanes, for the block's count.
+  std::span<const RingPacket> packets;  ///< Packets of HeadLanes for the block's count.
   RayLimits limits;
   /// Number of this cast's first firing since the plan's first: with the laser, the counter of a
   /// shot's random numbers (shot_number).
   std::uint64_t first_number = 0;
   std::size_t banks = 1;
-  std::span<LidarFiring> firings;     ///< Of the whole cast, bank by bank, returns empty.
-  std::span<LidarBankTruth> truth{};  ///< Empty: nobody asks.
+  std::span<LidarFiring> firings;     ///< All firings of the cast, bank by bank, returns empty.
+  std::span<LidarBankTruth> truth{};  ///< Empty: not wanted.
   bool several = false;               ///< Echoes are to be told apart.
 
   /// Where the shot of `laser` in firing `place` of the block belongs: bank and index in it.

@@ -27,7 +27,7 @@ struct HitSurfaces {
   LaneArray normal_x;  ///< In the world; of any length, on either side.
   LaneArray normal_y;
   LaneArray normal_z;
-  LaneArray cosine;  ///< Of the incidence angle, 0 .. 1.
+  LaneArray cosine;  ///< Cosine of the angle of incidence, 0 .. 1.
   LaneArray reflectance;
   LaneArray retro_gain;
 };
@@ -37,17 +37,18 @@ struct HitSurfaces {
 void meet_surfaces(const Scene::Internals::Shading* shading, const RTCRayHit8& packet,
                    HitSurfaces& surfaces);
 
-/// Reflectances of what a packet has met: those of the soils that lie on its terrains
+/// Replaces the reflectances of terrains with a cover by those of their soils there
 /// (Scene::cover_terrain). Needed where a surface has a cover.
 void cover_reflectance(const Scene::Internals& scene, const RTCRayHit8& packet,
                        const SurfaceNumbers& surface, LaneArray& reflectance);
 
-/// The same, and those of the places that its rays have met (reflectance_grain.h). Needed where
-/// Scene::Internals::varies.
+/// Applies cover_reflectance() and then the grain at the hit points (reflectance_grain.h). Needed
+/// where Scene::Internals::varies.
 void vary_reflectance(const Scene::Internals& scene, const GrainLattice& lattice,
                       const RTCRayHit8& packet, LaneArray& reflectance);
 
-/// The same of one place, relative to the scene's local origin.
+/// Returns the reflectance, with cover and grain, of one place relative to the scene's local
+/// origin.
 [[nodiscard]] float varied_reflectance(const Scene::Internals& scene, const GrainLattice& lattice,
                                        std::uint32_t surface, const Eigen::Vector3f& p);
 

@@ -7,25 +7,26 @@ namespace rigwire::sim {
 
 /// How the random error of a range is made.
 enum class RangeNoise {
-  constant,  ///< The same spread for every echo.
+  constant,  ///< Equal spread for every echo.
   signal,    ///< Faint echoes are less exact (link_budget.h, range_spread_m).
   jitter     ///< Faint echoes are less exact (link_budget.h, noise_growth).
 };
 
 struct SpinningLidarParameters {
-  double range_sigma_m = 0.02;     ///< Of the Gaussian range noise, independent per echo.
+  double range_sigma_m = 0.02;     ///< Gaussian range noise, independent per echo.
   double housing_radius_m = 0.10;  ///< Rays begin here. Hits nearer than the pattern's minimum
                                    ///< range block the ray and are reported as none.
-  int threads = 1;                 ///< That cast, the caller's included. Does not change results.
+  /// Casting threads, the caller's included. Results do not depend on it.
+  int threads = 1;
 
   /// Rays per beam: 1, 5 or 19; 1000 to compare with (beam_sampler.h). 0: 1 where the strongest
   /// echo alone is asked for, kSubRaysOfSeveralEchoes where echoes are to be told apart, which a
   /// beam without width cannot return in clear air.
   int sub_rays = 0;
   RangeNoise range_noise = RangeNoise::constant;
-  /// Of the receiver, with RangeNoise::signal: an echo that is just seen has 1 / sqrt(2) of it as
-  /// spread, beside range_sigma_m. 0.09 m: Kilic et al., "Lidar Light Scattering Augmentation
-  /// (LISA)", arXiv 2107.07004, 2021.
+  /// Resolution of the receiver with RangeNoise::signal: an echo that is just seen has 1 / sqrt(2)
+  /// of it as spread, besides range_sigma_m. 0.09 m: Kilic et al., "Lidar Light Scattering
+  /// Augmentation (LISA)", arXiv 2107.07004, 2021.
   double range_resolution_m = 0.09;
   /// With RangeNoise::jitter: the signal, in multiples of the faintest that is seen, at which the
   /// receiver's own noise is as large as the rest of the error. It makes the reflectivity of faint
@@ -44,9 +45,9 @@ struct SpinningLidarParameters {
   /// Where a 90 % diffuse target is just seen, head on in clear air; 0: at the pattern's maximum
   /// range.
   double reference_range_m = 0.0;
-  /// The same for what the air returns: rain, fog, dust. 0: as reference_range_m. Receivers raise
-  /// their threshold nearby against scattered light; the laws of sim/weather were compared with
-  /// recordings at the ranges of the data sheets, and keep their figures by this.
+  /// Reference range for what the air returns: rain, fog, dust. 0: reference_range_m. Receivers
+  /// raise their threshold nearby against scattered light; the laws of sim/weather were compared
+  /// with recordings at the ranges of the data sheets, and keep their figures by this.
   double air_reference_range_m = 0.0;
   /// Nearest echo of the air: nearer, the fields of transmitter and receiver do not overlap. 0: the
   /// pattern's minimum range.
@@ -54,7 +55,7 @@ struct SpinningLidarParameters {
   /// Nearer, fog and haze are received with the share (range / focus)^2 of their light: the width
   /// of the lens over the detector's angle (WeatherBeam::focus_m). 0: all of it.
   double air_focus_range_m = 0.0;
-  /// Of two echoes nearer to each other than this the weaker one is not reported.
+  /// The weaker of two echoes nearer to each other than this is not reported.
   double echo_separation_m = 1.0;
   /// The reported reflectivity is that of the surface met head on. The real sensors do not know the
   /// angle: false.

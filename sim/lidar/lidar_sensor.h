@@ -26,7 +26,7 @@ struct LidarSlice {
 
 /// What is true of one laser shot, along the middle of its beam.
 struct LidarShotTruth {
-  float range_m = 0.0F;          ///< Of the first surface, exact; 0: nothing within reach.
+  float range_m = 0.0F;          ///< Exact range of the first surface; 0: nothing within reach.
   std::uint32_t instance = ~0U;  ///< Scene::InstanceId of that surface; ~0: none.
   float cosine_of_incidence = 0.0F;
 };
@@ -38,8 +38,8 @@ class LidarSensor {
  public:
   virtual ~LidarSensor() = default;
 
-  /// From `time` on; `time` must not decrease from call to call, nor lie before the last slice's
-  /// end.
+  /// Applies from `time` on; `time` must not decrease from call to call, nor lie before the last
+  /// slice's end.
   virtual void command(SimTime time, const LidarCommand& command) = 0;
 
   /// All firings whose first laser is in (t0, t1], in order, bank by bank, replacing what `firings`

@@ -51,7 +51,7 @@ class FiringLanes : public LaneTable<9 + 3 + 3 + 3 + 4> {
   auto v(std::size_t i) const { return column(12 + i); }
   auto w(std::size_t i) { return column(15 + i); }  ///< rad/s
   auto w(std::size_t i) const { return column(15 + i); }
-  auto cos_azimuth() { return column(18); }  ///< Of the rotor.
+  auto cos_azimuth() { return column(18); }  ///< Azimuth of the rotor.
   auto cos_azimuth() const { return column(18); }
   auto sin_azimuth() { return column(19); }
   auto sin_azimuth() const { return column(19); }
@@ -68,7 +68,7 @@ class LaserLanes : public LaneTable<7> {
   // clang-format off
   auto cos_elevation() { return column(0); }
   auto sin_elevation() { return column(1); }
-  auto cos_offset() { return column(2); }  ///< Of the azimuth's offset.
+  auto cos_offset() { return column(2); }  ///< Azimuth offset of the laser.
   auto sin_offset() { return column(3); }
   auto up_m() { return column(4); }  ///< Vertical offset of the exit.
   auto right_m() { return column(5); }  ///< Horizontal offset of the exit.

@@ -47,14 +47,14 @@ struct RotorState {
 
 struct RotorParameters {
   bool starts_at_rest = false;        ///< Otherwise it turns as commanded from the start.
-  double time_constant_s = 0.1;       ///< Of the speed controller.
-  double acceleration_radps2 = 30.0;  ///< Greatest: 600 rpm within about 2 s.
+  double time_constant_s = 0.1;       ///< Time constant of the speed controller.
+  double acceleration_radps2 = 30.0;  ///< Maximum: 600 rpm within about 2 s.
   double wander_radps = 0.0;          ///< Spread of the speed. Real sensors: velodyne_heads.h.
   double wander_correlation_s = 0.5;
   double ripple_radps = 0.0;        ///< Amplitude of a change of speed once in a turn.
   double encoder_noise_rad = 0.0;   ///< Spread of what the encoder reads, independent per firing.
   double phase_time_s = 0.4;        ///< In which a small error of the phase falls to 1/e.
-  double phase_speed_share = 0.01;  ///< Greatest change of speed for the phase.
+  double phase_speed_share = 0.01;  ///< Maximum change of speed for the phase.
 };
 void visit(fields::Visitor& v, RotorParameters& p);
 
@@ -68,8 +68,9 @@ class Rotor {
   explicit Rotor(const LidarCommand& command, const RotorParameters& parameters = {},
                  std::uint64_t seed = 0, std::string_view name = {});
 
-  /// From `time` on; `time` must not decrease from call to call. Throws std::invalid_argument when
-  /// the rate is not finite or beyond 500 rad/s, or the lock's azimuth is not finite.
+  /// Applies from `time` on; `time` must not decrease from call to call. Throws
+  /// std::invalid_argument when the rate is not finite or beyond 500 rad/s, or the lock's azimuth
+  /// is not finite.
   void command(SimTime time, const LidarCommand& command);
 
   /// Instants asked for must not decrease from call to call.
@@ -95,9 +96,9 @@ class Rotor {
   std::uint64_t draws_ = 0;
   double wander_radps_ = 0.0;
   double steered_radps_ = 0.0;        ///< Speed without the wander.
-  Action stretch_;                    ///< The last one,
-  Action next_;                       ///< the next one,
-  double acceleration_radps2_ = 0.0;  ///< and the acceleration in between.
+  Action stretch_;                    ///< Last action of the controller.
+  Action next_;                       ///< Its next action.
+  double acceleration_radps2_ = 0.0;  ///< Acceleration in between.
 };
 
 }  // namespace rigwire::sim

@@ -76,13 +76,13 @@ struct SpinningLidar::Slice {
         workers(parameters.threads) {}
 
   HeadLanes head;
-  BeamCaster single;   ///< For the strongest echo alone,
-  BeamCaster several;  ///< for echoes that are told apart.
+  BeamCaster single;   ///< Casts for the strongest echo alone.
+  BeamCaster several;  ///< Casts for several echoes.
   ClearEcho clear_echo;
   WorkerPool workers;
   std::vector<FiringBlock> blocks;  ///< The first block_count of them are of this slice.
   std::size_t block_count = 0;
-  std::uint64_t first_number = 0;  ///< Of the first firing, counted from the plan's first.
+  std::uint64_t first_number = 0;  ///< Number of the first firing, counted from the plan's first.
   RayLimits limits;
 
   [[nodiscard]] FiringBlock& new_block() {

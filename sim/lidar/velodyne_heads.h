@@ -3,12 +3,11 @@
 //
 // Measured from public captures of single units (MRPT/mrpt modules/mrpt_data/tests: HDL-32E of
 // 2011, VLP-16 of 2016; tier4/nebula decoder_ground_truth: VLP-16 with two returns, VLP-32C,
-// VLS-128):
+// VLS-128). Range noise: second differences along azimuth over sqrt(6), by their median.
 //
 // | | HDL-32E | VLP-16 | VLP-32C | VLS-128 |
 // | --- | --- | --- | --- | --- |
-// | range noise, mm: second differences along azimuth / sqrt(6), by their median | 5.1 .. 5.5 |
-//   5.6 .. 6.8 | 4.6 .. 5.0 | 9.5 .. 12.9 |
+// | range noise, mm | 5.1 .. 5.5 | 5.6 .. 6.8 | 4.6 .. 5.0 | 9.5 .. 12.9 |
 // | spread of the lasers' biases on common planes, mm | 7.9 | 7.1 (11.5 of 8 lasers) | 6.2 | 7.4 |
 // | correlation of the biases between halves of the capture | 0.92 | 1.00 | 0.95 | 0.75 |
 // | spread of the azimuth's steps from block to block, 0.01 deg | 0.59 | 0.87, 0.85 | 0.82 | 0.37 |

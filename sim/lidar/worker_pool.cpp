@@ -7,9 +7,9 @@
 namespace rigwire::sim {
 namespace {
 
-/// Of threads of spare time: beside one that is as busy they have a tenth of a processor. With
-/// SCHED_IDLE it was three thousandths, and whoever waited for a task in such a thread's hand
-/// waited for seconds while other programs were busy.
+/// Niceness of threads of PoolPriority::spare_time: beside an equally busy thread they get a tenth
+/// of a processor. With SCHED_IDLE they got three thousandths, and a thread that waited for one of
+/// their tasks waited for seconds while other programs were busy.
 constexpr int kNiceness = 10;
 
 }  // namespace

@@ -105,7 +105,7 @@ Clearings clearings(const SceneDescription& description, const std::vector<LaidT
   return clear;
 }
 
-/// Which trees stand on the same square, square by square.
+/// Returns the indices of the trees on each square of kTreeTile_m, square by square.
 std::vector<std::vector<std::size_t>> tiles(std::span<const PlacedTree> trees) {
   std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::size_t>> by_square;
   for (std::size_t i = 0; i < trees.size(); ++i) {

@@ -197,8 +197,8 @@ std::array<float, 3> ColourTexture::mean(float u, float v, const TextureFootprin
   const bool slanted = along >= across;
   const float long_way = slanted ? along : across;
   const float short_way = slanted ? across : along;
-  // As many places along the longer way as the shorter one fits into it, and the level whose texels
-  // are as wide as that.
+  // The number of places is how often the shorter way fits into the longer one; the level is the
+  // one whose texels are as wide as the shorter way.
   const float wide = std::max({short_way, long_way / static_cast<float>(kMostProbes), 1.0F});
   const int probes = std::clamp(static_cast<int>(std::ceil(long_way / wide)), 1, kMostProbes);
   const float level = std::min(std::log2(wide), static_cast<float>(levels_.size() - 1));

@@ -23,7 +23,7 @@ using fields::plain;
 namespace {
 
 constexpr double kFriction = 0.6;
-/// Of the two ends of a fallen trunk that is modelled 1 m long and instanced by its length.
+/// Radius of a fallen trunk's thick end as share of its length; the model is 1 m long and scaled.
 constexpr double kFallenRadius = 0.022;
 constexpr double kLongestFallen_m = 12.0;
 

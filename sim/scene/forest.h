@@ -22,9 +22,9 @@ namespace rigwire::sim {
 /// One species' part of a forest.
 struct SpeciesShare {
   Species species = Species::spruce;
-  double share = 1.0;  ///< Of all trees, weighed against the others' shares.
-  double smallest_m = 14.0;
-  double largest_m = 25.0;  ///< Height; uniform between.
+  double share = 1.0;        ///< Weight of the species among all trees.
+  double smallest_m = 14.0;  ///< Least height.
+  double largest_m = 25.0;   ///< Greatest height; uniform between.
 };
 void visit(fields::Visitor& v, SpeciesShare& p);
 

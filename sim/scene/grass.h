@@ -24,7 +24,7 @@ struct GrassField {
   Eigen::Vector2d half_lengths_m{20.0, 20.0};  ///< [east, north].
   std::uint64_t seed = 0;                      ///< Other grass at the same place.
   double stalks_per_m2 = 120.0;
-  double height_m = 0.4;          ///< Of every stalk.
+  double height_m = 0.4;          ///< Height of every stalk.
   double diameter_m = 0.005;      ///< Mean width at the foot, seen from any side; 0 at the tip.
   double lean_rad = 0.15;         ///< Standard deviation of a stalk's lean.
   double patch_m = 2.0;           ///< Edge of a patch.

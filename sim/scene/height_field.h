@@ -28,7 +28,7 @@ struct HeightField {
   [[nodiscard]] Eigen::Vector3d centre_m() const;
 };
 
-/// Of these nodes of the field, row by row.
+/// Returns the heights of these nodes of the field, row by row.
 [[nodiscard]] std::vector<double> heights_in(const HeightField& field, const NodeRectangle& nodes);
 
 /// Throws std::invalid_argument when there are fewer than 2 or more than 32767 nodes along a side

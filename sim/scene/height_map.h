@@ -35,7 +35,7 @@ struct HeightMapTerrain {
   /// Where the file has no height: the lowest of its heights. Otherwise such a file is refused.
   bool fill_gaps = false;
   Material material{.reflectance = 0.3, .label = "ground"};
-  std::shared_ptr<const HeightField> heights;  ///< Of the file; null until it is loaded.
+  std::shared_ptr<const HeightField> heights;  ///< Heights of the file; null until it is loaded.
 };
 void visit(fields::Visitor& v, HeightMapTerrain& p);
 

@@ -1,4 +1,4 @@
-// A boulder as a body of its own: what it weighs, how it turns, what of it touches.
+// A boulder as a body of its own: its mass and inertia, and its contact hull.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -9,7 +9,7 @@
 
 namespace rigwire::sim {
 
-/// Of a closed mesh filled evenly, for 1 kg/m3.
+/// Mass properties of a closed mesh, filled evenly, for 1 kg/m3.
 struct MassProperties {
   double volume_m3 = 0.0;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();

@@ -1,4 +1,4 @@
-// Which part of a height field changed.
+// A rectangle of a height field's nodes, for instance those that changed.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct NodeRectangle {
 
   friend bool operator==(const NodeRectangle&, const NodeRectangle&) = default;
 
-  /// How many they are.
+  /// Returns the number of nodes.
   [[nodiscard]] std::size_t nodes() const {
     return (last_column + 1 - first_column) * (last_row + 1 - first_row);
   }

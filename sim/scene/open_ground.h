@@ -29,7 +29,7 @@ struct HillsTerrain {
   double cell_m = 0.4;    ///< Distance of the nodes.
   MeanSlope slope;
   double roughness_m = 2.0;      ///< Standard deviation of the noise.
-  double longest_wave_m = 90.0;  ///< Of the coarsest layer of the noise.
+  double longest_wave_m = 90.0;  ///< Wave length of the noise's coarsest layer.
   Material material{.reflectance = 0.3, .label = "ground"};
 };
 void visit(fields::Visitor& v, HillsTerrain& p);
@@ -50,7 +50,7 @@ void visit(fields::Visitor& v, LevelTerrain& p);
 void validate(const HillsTerrain& terrain);
 void validate(const LevelTerrain& terrain);
 
-/// The same seed gives the same heights. Validate.
+/// Return heights that depend on the parameters and the seed alone. Validate.
 [[nodiscard]] HeightField make_hills(const HillsTerrain& terrain, std::uint64_t seed);
 [[nodiscard]] HeightField make_level(const LevelTerrain& terrain, std::uint64_t seed);
 

@@ -22,7 +22,7 @@ struct PaintedSurface {
   std::vector<Triangle> triangles;  ///< Without a texture none.
 };
 
-/// Of a mesh with a colour.
+/// Returns the surface of a mesh with a colour.
 [[nodiscard]] std::shared_ptr<const PaintedSurface> painted_surface(const TriangleMesh& mesh);
 
 }  // namespace rigwire::sim

@@ -8,8 +8,8 @@
 
 namespace rigwire::sim {
 
-/// Throws fields::Refused "key: what, found value unit, allowed lower .. upper unit" outside of
-/// them, and for what is no number.
+/// Throws fields::Refused "key: what, found value unit, allowed lower .. upper unit" for a value
+/// outside of them, or that is no number.
 inline void require_within(double value, double lower, double upper, const std::string& unit,
                            const std::string& key, const std::string& what = {}) {
   if (!(value >= lower && value <= upper)) {
@@ -21,7 +21,7 @@ inline void require_within(double value, double lower, double upper, const std::
   }
 }
 
-/// The same of a terrain's nodes: 10 cells and more along a side, 8192 at most.
+/// Throws as require_within() unless a terrain has 10 to 8192 cells along a side.
 inline void require_grid(double size_m, double cell_m) {
   require_within(size_m / cell_m, 10.0, 8192.0, "", "cell", "cells along a side");
 }

@@ -41,8 +41,8 @@ struct GrainLattice {
     }
   }
 
-  std::array<float, 3> start{};          ///< Of the origin within its cell, -0.5 .. 0.5.
-  std::array<std::uint32_t, 3> first{};  ///< Its cell.
+  std::array<float, 3> start{};          ///< Place of the origin within its cell, -0.5 .. 0.5.
+  std::array<std::uint32_t, 3> first{};  ///< Cell of the origin.
 };
 
 /// Bits of three numbers, mixed in the upper ones: a product of each, which wait for nothing, and
@@ -60,9 +60,8 @@ struct GrainLattice {
   return 1.0F + variation * (4.0F * u * u * u - 1.0F);
 }
 
-/// What a surface of that mean reflectance has at a place, relative to the lattice's origin; at
-/// most
-/// 1. Without branches, for loops over lanes.
+/// Returns the reflectance, at most 1, of a surface of that mean reflectance at a place relative to
+/// the lattice's origin. Without branches, for loops over lanes.
 [[nodiscard]] inline float grained(float reflectance, float variation, float x, float y, float z,
                                    const GrainLattice& lattice) {
   constexpr auto kPerCell = static_cast<float>(1.0 / kGrainCell_m);

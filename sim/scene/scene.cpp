@@ -241,9 +241,9 @@ Scene::InstanceId Scene::Internals::add_instance(MeshId mesh, std::uint32_t body
 }
 
 Scene::Scene() : internals_(std::make_unique<Internals>()) {
-  // Who builds, builds alone: the scene is small, and the executive owns the machine's other cores.
-  // With more threads permitted, TBB's worker would be woken by each slice's commit, and would turn
-  // round and round looking for work for a tenth of a core.
+  // Embree builds on the calling thread alone: the scene is small, and the executive owns the
+  // machine's other cores. With more threads permitted, TBB's worker would be woken by each slice's
+  // commit and spend a tenth of a core looking for work.
   internals_->error = std::make_shared<RayCasterError>();
   internals_->device.reset(rtcNewDevice("threads=1,user_threads=1"), ReleaseDevice{});
   if (!internals_->device) {
@@ -286,6 +286,8 @@ Scene::MeshId Scene::add_model(std::span<const MeshPart> parts) {
   return internals_->add_meshes(parts.front().mesh.name, meshes, std::move(surfaces));
 }
 
+/// Gives Embree the terrain as one grid geometry, whose vertices are floats relative to the field's
+/// centre, and adds one fixed instance of it there.
 Scene::InstanceId Scene::add_terrain(const HeightField& field, const Material& material) {
   validate(field);
   Internals& in = *internals_;
@@ -534,6 +536,8 @@ bool Scene::fixed_within(const Eigen::Vector3d& p_W, const Eigen::Vector3d& dire
 
 // Meshes as Embree takes them, with holes.
 
+/// A mask becomes an Embree filter function, which lets rays pass through clear texels
+/// (pass_holes()); for it each triangle's texture coordinates are stored as a corner and two edges.
 GeometryHandle Scene::Internals::make_geometry(const TriangleMesh& mesh) {
   validate(mesh);
   const std::string doing = "mesh '" + mesh.name + "'";
@@ -638,7 +642,7 @@ Scene::Internals::Tile Scene::Internals::make_tile(const Terrain& terrain, std::
                               3 * sizeof(unsigned), 2 * (tile.columns - 1) * (tile.rows - 1)));
   check("terrain tile");
   float* vertex = tile.vertices;
-  // The same floats as in the undivided terrain.
+  // The floats must equal those of the undivided terrain.
   for (std::size_t r = first_row; r < first_row + tile.rows; ++r) {
     for (std::size_t c = first_column; c < first_column + tile.columns; ++c) {
       *vertex++ = static_cast<float>(field.origin_m.x() - terrain.centre_W.x() +

@@ -61,7 +61,7 @@ struct Material {
   /// (Scene::add_canopy).
   bool loose_leaves = false;
   /// How far the reflectance differs over the surface and from object to object, 0 .. 1
-  /// (reflectance_grain.h). Of what stands still; bodies are of one reflectance.
+  /// (reflectance_grain.h). For what stands still; bodies have one reflectance.
   double variation = 0.0;
 
   friend bool operator==(const Material&, const Material&) = default;
@@ -92,16 +92,16 @@ struct ScenePiece {
 
   friend bool operator==(const ScenePiece&, const ScenePiece&) = default;
 };
-/// What rays meet of an obstacle (Ground::obstacles()).
+/// Geometry that rays hit for an obstacle (Ground::obstacles()).
 struct ObstacleLook {
   std::size_t obstacle = 0;
   ScenePiece piece;
 };
-/// scene_internals.h
+/// See scene_internals.h.
 struct DisplacedPiece;
 
 /// What is fixed in a scene, as it is placed around a local origin, and where the pieces are that
-/// have left their places. Whoever holds it can have a twin cast into it.
+/// have left their places. A twin can cast into it as long as it is held.
 struct ScenePlacement {
   std::shared_ptr<RTCSceneTy> fixed;
   Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();
@@ -167,18 +167,18 @@ class Scene final : public Visibility {
   void make_changeable(InstanceId terrain);
   /// Least simulated time between two changes that the rays see, 0 at the start: every slice.
   void set_terrain_period(Duration period);
-  /// These nodes have the heights of `field` now, a field of the terrain's own shape. Rays see it
-  /// from the next begin_slice() that is a terrain period after the last change. Cheap by itself.
-  /// Throws std::invalid_argument when the terrain is not changeable, the field's shape differs,
-  /// the nodes are not in it, or a height is not a finite number.
+  /// Sets the heights of these nodes to those of `field`, a field of the terrain's own shape. Rays
+  /// see them from the next begin_slice() that is a terrain period after the last change. Cheap by
+  /// itself. Throws std::invalid_argument when the terrain is not changeable, the field's shape
+  /// differs, the nodes are not in it, or a height is not a finite number.
   void update_terrain(InstanceId terrain, const HeightField& field, const NodeRectangle& changed);
-  /// The same from the heights of these nodes alone, row by row.
+  /// Sets the heights of these nodes, given row by row.
   void update_terrain(InstanceId terrain, const NodeRectangle& changed,
                       std::span<const double> heights_m);
 
-  /// The piece is where `motion_W` takes it from where it was added, from the next begin_slice()
-  /// on; it has the instance, name and material that it had. Cheap but for the first time of a
-  /// piece: then everything fixed is placed anew, and the piece's mesh built without it. Throws
+  /// Moves the piece by `motion_W` from where it was added, from the next begin_slice() on; it
+  /// keeps its instance, name and material. Cheap but for the first time of a piece: then
+  /// everything fixed is placed anew, and the piece's mesh built without it. Throws
   /// std::invalid_argument when there is no such piece, it is terrain or on a body, or the motion
   /// is not finite.
   void displace(const ScenePiece& piece, const Eigen::Isometry3d& motion_W);
@@ -200,8 +200,8 @@ class Scene final : public Visibility {
   [[nodiscard]] std::unique_ptr<Scene> twin() const;
   /// What is fixed as it is placed at present; after the first begin_slice().
   [[nodiscard]] ScenePlacement placement() const;
-  /// Of a twin: begin_slice() with what is fixed as that scene had it placed. Terrain that was
-  /// staged is shown at once.
+  /// For twins: begin_slice() with what is fixed as `placement` has it. Shows staged terrain at
+  /// once.
   void begin_slice(SimTime t0, SimTime t1, const ScenePlacement& placement,
                    std::span<const BodyMotion> motions);
 
@@ -212,12 +212,12 @@ class Scene final : public Visibility {
   [[nodiscard]] const Material& material(InstanceId instance) const;
   [[nodiscard]] const std::string& name(InstanceId instance) const;
   [[nodiscard]] const std::string& label(InstanceId instance) const;
-  /// The rays that do not see this body leave its bit out of their mask. Bodies share bits from the
-  /// 30th on.
+  /// Returns the mask bit of a body; rays that must not see it leave the bit out of their mask.
+  /// Bodies share bits from the 30th on.
   [[nodiscard]] static std::uint32_t body_mask(BodyId body);
-  /// The same for everything of foliage, whatever body it is on.
+  /// Returns the mask bits of all foliage, whatever body it is on.
   [[nodiscard]] static std::uint32_t foliage_mask();
-  /// The same for all loose leaves.
+  /// Returns the mask bits of all loose leaves.
   [[nodiscard]] static std::uint32_t loose_leaves_mask();
 
   /// First hit between `near_m` and `far_m` along the unit vector `direction_W`, at `time` (held at

@@ -26,6 +26,8 @@ SceneContents::Part part_of(RTCScene scene, unsigned number, std::size_t triangl
 
 }  // namespace
 
+/// Successive instances with the same `placed` are the parts of one thing; each mesh is copied
+/// once.
 SceneContents contents_of(const Scene& scene) {
   using Internals = Scene::Internals;
   const Internals& in = scene.internals();

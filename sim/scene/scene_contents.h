@@ -1,7 +1,7 @@
-// What stands in a scene, as plain lists: for whoever draws it, beside the rays.
+// The contents of a scene as plain lists, for renderers other than the ray caster.
 //
-// A copy, as the scene is at the call; of terrain the heights as they are staged. What is only
-// there for radio signals (canopies) is left out. Masks of leaves are not told: a card of leaves is
+// It is a copy of the scene at the time of the call; terrain has its heights as they are staged.
+// Canopies, which only radio signals meet, and masks of leaves are left out: a card of leaves is
 // drawn whole.
 #pragma once
 
@@ -31,14 +31,14 @@ struct SceneContents {
   };
   struct Surface {
     Material material;
-    std::shared_ptr<const MeshColour> colour;  ///< Of its own; null: as its label looks.
+    std::shared_ptr<const MeshColour> colour;  ///< Colour of its own; null: as its label looks.
   };
   struct Thing {
     Scene::InstanceId instance = 0;  ///< Its first.
     std::string name;
     std::size_t mesh = 0;               ///< In `meshes`.
     std::vector<Surface> surfaces;      ///< One for each of the mesh's parts.
-    std::optional<Scene::BodyId> body;  ///< That carries it; nothing: it is fixed.
+    std::optional<Scene::BodyId> body;  ///< Body that carries it; empty: it is fixed.
     Eigen::Isometry3d X_PM = Eigen::Isometry3d::Identity();  ///< In the world, or in its body.
     double scale = 1.0;
   };
@@ -46,8 +46,8 @@ struct SceneContents {
     Scene::InstanceId instance = 0;
     HeightField field;
     Material material;
-    std::vector<std::string> labels;  ///< Of what lies on it; empty: its material everywhere.
-    std::vector<std::uint8_t> cells;  ///< For each cell, row by row, its label's place.
+    std::vector<std::string> labels;  ///< Labels of its cover; empty: its material everywhere.
+    std::vector<std::uint8_t> cells;  ///< Index in `labels` for each cell, row by row.
   };
   struct Body {
     std::string name;

@@ -72,7 +72,7 @@ struct RockField {
   Material material{.reflectance = 0.45, .label = "rock"};
   std::vector<KeepOut> keep_out{{{0.0, 0.0}, 5.0}, {{-1.0, 7.0}, 6.0}};
   bool loose = false;             ///< They lie on the ground, and machines push and lift them.
-  double density_kgpm3 = 2650.0;  ///< Of loose ones.
+  double density_kgpm3 = 2650.0;  ///< Density of loose rocks.
 };
 void visit(fields::Visitor& v, RockField& p);
 
@@ -89,13 +89,13 @@ void visit(fields::Visitor& v, NamedMaterial& p);
 struct FixedObject {
   std::string name;
   std::string mesh;  ///< Name of a mesh in the library given to build_scene().
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Of the mesh's origin.
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Position of the mesh's origin.
   double yaw_rad = 0.0;                                  ///< Left from east.
   bool on_ground = true;  ///< Then position_m.z() counts from the terrain's height.
   double scale = 1.0;     ///< Metres for each unit of the mesh.
-  bool solid = true;      ///< Machines meet it (sim/scene/convex_pieces.h).
+  bool solid = true;      ///< Machines collide with it (sim/scene/convex_pieces.h).
   Material material{.reflectance = 0.6, .label = "object"};
-  std::vector<NamedMaterial> materials;  ///< Of parts; the rest is of `material`.
+  std::vector<NamedMaterial> materials;  ///< Materials of named parts; the others have `material`.
 };
 void visit(fields::Visitor& v, FixedObject& p);
 
@@ -103,12 +103,13 @@ void visit(fields::Visitor& v, FixedObject& p);
 struct BoxObject {
   std::string name;
   Eigen::Vector3d size_m = Eigen::Vector3d::Ones();      ///< Full lengths along its own axes.
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Of the middle of its base.
-  double yaw_rad = 0.0;                                  ///< Of its x, left from east.
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Middle of its base.
+  /// Direction of its x axis, left from east.
+  double yaw_rad = 0.0;
   bool on_ground = true;   ///< Then position_m.z() counts from the terrain's height at the middle.
-  bool solid = true;       ///< Machines meet it, and plants keep clear of it.
+  bool solid = true;       ///< Machines collide with it, and plants keep clear of it.
   bool loose = false;      ///< A crate: machines push and lift it. Solid in any case.
-  double mass_kg = 500.0;  ///< Of a loose one.
+  double mass_kg = 500.0;  ///< Mass of a loose box.
   double friction = 0.6;
   Material material{.reflectance = 0.5, .label = "building"};
 };

@@ -50,7 +50,7 @@ using DeviceHandle = std::shared_ptr<RTCDeviceTy>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, ReleaseScene>;
 using GeometryHandle = std::unique_ptr<RTCGeometryTy, ReleaseGeometry>;
 
-/// What Embree complains of first, on whichever thread.
+/// Embree's first error message, on whichever thread.
 struct RayCasterError {
   std::mutex mutex;
   std::string text;
@@ -117,7 +117,7 @@ struct DisplacedPiece {
   Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
   double scale = 1.0;
   std::uint32_t mask = 0;
-  std::uint32_t number = 0;  ///< Embree's, of its first part.
+  std::uint32_t number = 0;  ///< Embree's number of its first part.
   std::uint32_t parts = 1;
 };
 
@@ -140,7 +140,7 @@ struct Scene::Internals {
     std::string name;
     MeshId mesh = 0;
     std::uint32_t mask = 0;        ///< 0: rays do not meet it in `fixed` nor on a body.
-    Eigen::AlignedBox3f bounds_M;  ///< Of the mesh; empty for a canopy.
+    Eigen::AlignedBox3f bounds_M;  ///< Bounds of the mesh; empty for a canopy.
     bool gone = false;             ///< Displaced as a whole.
     bool reshaped = false;         ///< Its mesh is another one since it was placed.
   };
@@ -154,11 +154,11 @@ struct Scene::Internals {
     SceneHandle scene;
     std::string name;
     std::vector<Material> materials;
-    std::size_t triangles = 0;  ///< Of a plain mesh.
+    std::size_t triangles = 0;  ///< Number of triangles of a plain mesh.
     /// What was taken out: first triangle and number, as the mesh was; in order.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> taken_out{};
-    std::vector<std::uint32_t> painted{};  ///< Of each part, as Instance::painted; empty: none.
-    std::vector<std::size_t> part_triangles{};  ///< Of a model's parts, how many each has.
+    std::vector<std::uint32_t> painted{};       ///< Instance::painted of each part; empty: none.
+    std::vector<std::size_t> part_triangles{};  ///< Number of triangles of each part of a model.
   };
   /// A masked mesh, for Embree's filter: where the corners of each triangle lie in the mask.
   struct MaskedSurface {
@@ -175,7 +175,7 @@ struct Scene::Internals {
     std::size_t first_row = 0;
     std::size_t columns = 0;  ///< Nodes; neighbours share those of one cell.
     std::size_t rows = 0;
-    std::uint32_t number = 0;   ///< Embree's of it.
+    std::uint32_t number = 0;   ///< Embree's number of it.
     float* vertices = nullptr;  ///< Row by row, x y z each.
     GeometryHandle ground;
     SceneHandle inner;
@@ -192,12 +192,12 @@ struct Scene::Internals {
     std::vector<std::uint8_t> cells;
     /// 1 where another label lies within kCoverReach cells.
     std::vector<std::uint8_t> near_edge;
-    /// Of the labels, 0: the terrain's own. Empty: of all.
+    /// Reflectance of each label; 0: the terrain's own. Empty: the terrain's own for all.
     std::vector<float> reflectances;
     Eigen::Vector2d origin_m =
         Eigen::Vector2d::Zero();  ///< World place of the first cell's corner.
     double cell_m = 1.0;
-    int columns = 0;  ///< Of cells.
+    int columns = 0;  ///< Columns of cells.
     int rows = 0;
   };
   static constexpr int kCoverReach = 2;
@@ -205,23 +205,24 @@ struct Scene::Internals {
     std::uint32_t instance = 0;
     std::shared_ptr<const Cover> cover;  ///< Null: the material everywhere. Twins share it.
     HeightField field;                   ///< Shape and staged heights.
-    std::uint64_t updates = 0;           ///< Of its heights, so far.
+    std::uint64_t updates = 0;           ///< Number of updates of its heights.
     Eigen::Vector3d centre_W;            ///< Origin of the vertices.
     std::size_t tile_cells = 0;
     std::vector<Tile> tiles;  ///< Empty: cannot change.
     std::optional<NodeRectangle> staged;
-    std::optional<SimTime> shown;  ///< When it changed last for the rays.
+    std::optional<SimTime> shown;  ///< Time of the last change that rays see.
   };
   /// What a hit needs to know of the instance, side by side in memory.
   struct Shading {
     Eigen::Matrix3f R_WM = Eigen::Matrix3f::Identity();  ///< Turns normals into the world.
     float reflectance = 0.0F;
     float retro_gain = 0.0F;
-    float variation = 0.0F;        ///< reflectance_grain.h
-    const Cover* cover = nullptr;  ///< Of a terrain whose cells have reflectances of their own.
+    float variation = 0.0F;  ///< reflectance_grain.h
+    /// For terrain whose cells have reflectances of their own, else null.
+    const Cover* cover = nullptr;
   };
 
-  /// Lives as long as the scene: who keeps a weak_ptr to it takes no other scene for this one.
+  /// Lives as long as the scene: a weak_ptr to it identifies this scene.
   std::shared_ptr<const char> identity = std::make_shared<const char>('\0');
   std::shared_ptr<RayCasterError> error;  ///< Written by Embree's error callback.
   DeviceHandle device;
@@ -235,24 +236,24 @@ struct Scene::Internals {
   std::vector<std::shared_ptr<const PaintedSurface>> painted;
   std::vector<Mesh> meshes;
   std::vector<Placed> placed;
-  std::vector<std::uint32_t> on_bodies;  ///< Which of `placed` bodies carry.
+  std::vector<std::uint32_t> on_bodies;  ///< Indices in `placed` of what bodies carry.
   std::vector<Instance> instances;
   std::vector<Material> materials;
   std::vector<Shading> shading;            ///< By surface_number().
-  std::vector<std::uint32_t> instance_of;  ///< The same.
+  std::vector<std::uint32_t> instance_of;  ///< Instance, by surface_number().
   std::uint32_t low_numbers_used = 0;
   std::vector<Terrain> terrains;
   Duration terrain_period{0};
   std::vector<std::string> bodies;
-  std::vector<bool> loose;               ///< Which of them are.
+  std::vector<bool> loose;               ///< Whether each body is loose.
   std::vector<BodyMotion> body_motions;  ///< In the present slice.
   /// Null: everything is in its place. Never changed, only replaced: placements hold it.
   std::shared_ptr<const std::vector<DisplacedPiece>> displaced;
-  std::vector<GeometryHandle> displaced_geometry;  ///< Of those that Embree has been told of.
+  std::vector<GeometryHandle> displaced_geometry;  ///< Geometries that Embree has for them.
   std::shared_ptr<const std::vector<DisplacedPiece>> displaced_shown;
   Eigen::Vector3d displaced_origin_W = Eigen::Vector3d::Zero();
-  bool canopies_kept = true;                           ///< Not those of a twin.
-  Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();  ///< Of Embree's float coordinates.
+  bool canopies_kept = true;                           ///< False for a twin.
+  Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();  ///< Origin of Embree's float coordinates.
   bool fixed_placed = false;
   bool ground_moves = false;  ///< Tiles of terrain are in `moving`.
   bool has_foliage = false;
@@ -265,7 +266,8 @@ struct Scene::Internals {
   void check(const char* doing);
   /// Triangles as Embree takes them, committed, with the filter for their holes.
   GeometryHandle make_geometry(const TriangleMesh& mesh);
-  /// Of the mesh, with the mask of `thing`, attached to `scene` by its number.
+  /// Makes an instance of the mesh, with the mask of `thing`, and attaches it to `scene` by its
+  /// number.
   GeometryHandle place_instance(RTCScene scene, const Placed& thing, const Mesh& mesh) const;
   /// Surfaces: one for each part, or none.
   MeshId add_meshes(std::string name, std::span<const TriangleMesh* const> parts,
@@ -302,23 +304,23 @@ struct Scene::Internals {
   void commit_tiles();
   /// Places what is fixed when it is not, or when `focus_W` is far from the origin of the rays.
   void follow(const Eigen::Vector3d& focus_W);
-  /// Places what is fixed at the present origin: in `fixed` itself where nobody else holds it, in a
-  /// new scene where a placement() of it is held, which then stays as its holder has it.
+  /// Places what is fixed at the present origin: in `fixed` itself if nothing else holds it, in a
+  /// new scene if a placement() of it is held, which then stays as its holder has it.
   ///
-  /// `fixed.use_count()` decides, which shared_ptr does not order by itself. It is right here:
-  /// placements are taken of `fixed` by the thread that calls this one, and by nobody else; another
-  /// thread can copy only what it holds, so that a count of 1 stays 1, and a count that is just
-  /// falling costs a scene that was not needed. What that thread cast before it let go is over by
-  /// then: letting go releases, and the fence behind the count acquires.
+  /// `fixed.use_count()` decides, which shared_ptr does not order by itself. It is right here: only
+  /// the thread that calls this function takes placements of `fixed`. Another thread can copy only
+  /// what it holds, so that a count of 1 stays 1, and a count that is just falling costs a scene
+  /// that was not needed. The casts of the other thread before its release are complete by then:
+  /// dropping the pointer releases, and the fence behind the count acquires.
   void place_fixed();
-  /// Of changeable terrains, at the present origin.
+  /// Places the tiles of changeable terrains at the present origin.
   void place_tiles();
   /// The piece's shape of its own, when it is taken out of its object.
   DisplacedPiece take_out(const ScenePiece& piece);
   /// These triangles of a plain mesh, or all others, as a mesh of their own in Embree.
   std::shared_ptr<RTCSceneTy> cut(const Mesh& mesh, std::uint32_t first, std::uint32_t count,
                                   bool others) const;
-  /// Of a number of parts that will move, one after the other.
+  /// Returns the first of `parts` consecutive numbers for parts that will move.
   std::uint32_t new_moving_ids(std::uint32_t instance, std::uint32_t parts);
   /// Tells Embree where the displaced pieces are, if that is another place.
   void place_displaced();

@@ -1,4 +1,4 @@
-// Which soil lies where in a scene: a soil for all of the terrain, soils of tracks, and regions
+// Distribution of soils in a scene: a soil for all of the terrain, soils of tracks, and regions
 // painted over both.
 #pragma once
 
@@ -29,7 +29,7 @@ struct SoilRectangle {
 
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d size_m{10.0, 10.0};  ///< Full lengths along its own axes.
-  double yaw_rad = 0.0;                ///< Of its first axis, left from east.
+  double yaw_rad = 0.0;                ///< Direction of its first axis, left from east.
 };
 void visit(fields::Visitor& v, SoilRectangle& p);
 

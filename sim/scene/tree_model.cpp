@@ -15,7 +15,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kBelowGround_m = 0.3;
 constexpr double kBreastHeight_m = 1.3;
 
-/// What tells one species from another, at the modelled height.
+/// Dimensions of a species at the modelled height.
 struct Habit {
   double height_m;
   double trunk_diameter_m;  ///< At breast height.
@@ -23,9 +23,9 @@ struct Habit {
   double crown_radius_m;    ///< Where it is widest.
   double widest;            ///< Share of the crown's height above its base.
   int branches;
-  double lift_low_rad;  ///< Of the lowest branches above the horizontal.
+  double lift_low_rad;  ///< Angle of the lowest branches above the horizontal.
   double lift_high_rad;
-  double sag_m;  ///< Of a branch's end below its straight line, by the metre.
+  double sag_m;  ///< Drop of a branch's end below its straight line, per metre.
   int twigs;     ///< To a branch.
   int cards;
   double card_m;
@@ -86,6 +86,10 @@ void add_trunk(const Habit& h, RandomStream& random, TriangleMesh& wood) {
   add_tube(wood, points, kSides);
 }
 
+/// Sets branches around the trunk by the golden angle, from the crown's base to the top, as long as
+/// the crown's outline allows and with a drop that grows with the square of the way out; twigs
+/// leave to both sides by turns. Returns the twigs, which carry the leaves, and the outer half of
+/// each branch.
 std::vector<Twig> add_branches(const Habit& h, RandomStream& random, TriangleMesh& wood) {
   constexpr double kGoldenAngle = 2.399963229728653;
   constexpr int kBranchSides = 4;

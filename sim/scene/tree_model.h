@@ -28,7 +28,7 @@ enum class LeafModel : std::uint8_t { cards, triangles };
 struct TreeModel {
   TriangleMesh wood;
   TriangleMesh leaves;
-  double height_m = 20.0;       ///< As modelled; instances are scaled.
+  double height_m = 20.0;       ///< Height as modelled; instances are scaled.
   double trunk_radius_m = 0.2;  ///< At breast height.
   double crown_base_m = 5.0;    ///< Lowest branch.
   std::vector<Ring> crown;      ///< Closed outline of the crown, for radio signals.

@@ -29,7 +29,7 @@ struct TreeField {
   Eigen::Vector2d half_lengths_m{100.0, 100.0};  ///< [east, north].
   double smallest_m = 6.0;                       ///< Height; uniform up to the largest.
   double largest_m = 22.0;
-  double trunk_diameter_m = 0.45;  ///< Of a tree of the largest height; others in proportion.
+  double trunk_diameter_m = 0.45;  ///< For a tree of the largest height; others in proportion.
   double conifer_share = 0.6;      ///< The rest have round crowns.
   double track_distance_m = 1.5;   ///< From a track's edge to a trunk's axis, at least.
   double spacing_m = 1.5;          ///< Between trunks, at least.
@@ -67,14 +67,14 @@ struct ClearWay {
 struct ForestMeshes {
   TriangleMesh trunks;
   TriangleMesh crowns;
-  /// Of each tree, in their order: its first triangle in both. One more than there are trees.
+  /// First triangle of each tree in trunks and crowns, in their order; one entry more than trees.
   std::vector<std::array<std::uint32_t, 2>> first_triangles;
 };
 inline constexpr double kTreeTile_m = 64.0;
 [[nodiscard]] ForestMeshes forest_meshes(std::span<const PlacedTree> trees,
                                          const Eigen::Vector3d& origin_m);
 
-/// What machines run into: the trunk up to the crown.
+/// Returns the obstacle for machines: the trunk up to the crown.
 [[nodiscard]] Obstacle trunk_obstacle(const PlacedTree& tree);
 
 }  // namespace rigwire::sim

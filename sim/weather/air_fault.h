@@ -1,5 +1,5 @@
-// What comes into the air of a scene beside its course: rain, snow and fog that nobody expected,
-// for a while.
+// Faults of a scene's air: rain, snow and fog for a while, in addition to the course of the
+// weather.
 //
 //   faults:
 //     - {on: air, type: fog, at: 30 s, for: 60 s, visibility: 40 m, ramp: 20 s}
@@ -31,7 +31,7 @@ struct RainFault {
 struct SnowFault {
   static constexpr fields::Named kNamed{"snow", "Snow falls, beside that of the weather."};
 
-  double rate_mmph = 2.0;  ///< As water.
+  double rate_mmph = 2.0;  ///< Water equivalent.
   Duration ramp{0};
 
   void grow(double share) { rate_mmph *= share; }
@@ -57,15 +57,15 @@ inline void visit(fields::Visitor& v, AirFault& p) {
   visit_fault(v, p);
 }
 
-/// Of all who look through the air, whichever thread they are on. What is changed begins and ends
-/// later than any instant that somebody has looked at.
+/// Faults for all sensors that look through the air, from any thread. A change takes effect later
+/// than any instant that a sensor has read.
 class AirFaults {
  public:
   AirFaults() = default;
   explicit AirFaults(std::vector<AirFault> faults) : book_(std::move(faults)) {}
 
   void apply(const FaultChange<AirFault>& change);
-  /// Adds what holds at that instant to what the course has.
+  /// Adds the faults that hold at `time` to `state`.
   void lay_over(SimTime time, AirState& state) const;
 
  private:

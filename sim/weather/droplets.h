@@ -89,7 +89,7 @@ void draw_clutter(const WeatherBeam& beam, std::uint64_t counter, const ClutterL
 
 inline constexpr int kMostClutter = 16;
 
-/// Of draw_clutter: how many there are to be expected, step by step along the beam.
+/// Expected number of draw_clutter()'s echoes, summed step by step along the beam.
 class ClutterCount {
  public:
   static constexpr std::size_t kSteps = 24;
@@ -98,7 +98,7 @@ class ClutterCount {
     const double share = static_cast<double>(node) / kSteps;
     return near_m_ + (far_m_ - near_m_) * share * share;  // denser where there is more
   }
-  /// The range below which that share of them lies.
+  /// Returns the range below which that share of them lies.
   [[nodiscard]] double quantile_m(double share) const;
 
   template <class Mean>

@@ -38,11 +38,11 @@ struct DustPuff {
   double mass_kg = 0.0;
   double variance_m2 = 0.0;  ///< s^2 along each axis.
 
-  /// Of the Gaussian, above the ground: 0.5 .. 1.
+  /// Returns the share of the Gaussian that is above the ground: 0.5 .. 1.
   [[nodiscard]] double share_above_ground() const;
 };
 
-/// The puff that has both's mass, centre and second moment.
+/// Returns the puff with the mass, centre and second moment of both.
 [[nodiscard]] DustPuff merged(const DustPuff& a, const DustPuff& b);
 
 struct DustBalance {
@@ -55,7 +55,7 @@ class DustCloud {
  public:
   explicit DustCloud(const DustParameters& parameters);
 
-  /// `step_s` later: what is there moves with the wind's way, then the emitters add what they made
+  /// Advances by `step_s`: the puffs move with the wind, then the emitters add what they made
   /// during the step, times `dustiness`, where they are at its end. Does not allocate.
   void advance(double step_s, const Eigen::Vector2d& wind_mps, double dustiness,
                std::span<const DustEmitter> emitters);

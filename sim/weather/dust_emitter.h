@@ -11,9 +11,11 @@ namespace rigwire::sim {
 /// scales them (DustParameters::silt_share, WeatherFrame::dryness).
 struct DustEmitter {
   Eigen::Vector3d position_W = Eigen::Vector3d::Zero();
-  double radius_m = 0.3;        ///< Of the fresh puff: two standard deviations.
-  double mass_rate_kgps = 0.0;  ///< Of what stays in the air, before the scene's own dustiness.
-  double height_over_ground_m = 0.0;  ///< Of the position; the puff has no part below the ground.
+  double radius_m = 0.3;  ///< Radius of the fresh puff: two standard deviations.
+  /// Rate of what stays in the air, before the scene's own dustiness.
+  double mass_rate_kgps = 0.0;
+  /// Height of the position; the puff has no part below the ground.
+  double height_over_ground_m = 0.0;
 };
 
 /// What a vehicle of that mass stirs up per metre of its way, all wheels together: 4.9 (s / 12

@@ -17,7 +17,7 @@ constexpr double kRootTwoPi = 2.5066282746310002;
 /// Steps of an echogram per half pulse, and their most.
 constexpr int kPulseSteps = 4;
 constexpr std::size_t kMostSteps = 512;
-/// Of the light that dust throws back in the model optical_depth, against white.
+/// Reflectance of dust in the model optical_depth, relative to white.
 constexpr double kDustReflectance = 0.25;
 
 /// cos^2 of the pulse at 0, 1, 2, 3 quarters of its half length.

@@ -77,7 +77,7 @@ class DustField {
   /// A puff as this beam passes it.
   struct Passage {
     double nearest_m;  ///< Along the beam.
-    double half_m;     ///< Of the stretch where it counts.
+    double half_m;     ///< Half the length of the stretch where it counts.
     double peak_pm;    ///< At the nearest point.
     double sigma_m;
   };

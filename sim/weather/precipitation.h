@@ -41,7 +41,7 @@ struct DropSpectrum {
 [[nodiscard]] DropSpectrum rain_spectrum(const RainParameters& parameters, double rain_mmph);
 [[nodiscard]] DropSpectrum snow_spectrum(const SnowParameters& parameters, double snow_mmph);
 
-/// Of a spectrum, per metre.
+/// Returns the extinction of a spectrum, per metre.
 [[nodiscard]] double spectrum_extinction_pm(const DropSpectrum& spectrum,
                                             double extinction_efficiency);
 

@@ -48,14 +48,14 @@ class SceneWeather final : public Weather {
   /// Throws std::invalid_argument as validate() does.
   SceneWeather(const WeatherParameters& parameters, std::uint64_t seed)
       : SceneWeather(parameters, seed, nullptr) {}
-  /// The same with faults beside the course; they hold at the instants of the grid.
+  /// Takes faults in addition to the course; they hold at the instants of the grid.
   SceneWeather(const WeatherParameters& parameters, std::uint64_t seed,
                std::shared_ptr<const AirFaults> faults);
   ~SceneWeather() override;
 
-  /// Lives up to `time`, which must not decrease: dust is stirred up, drifts and settles; rain and
+  /// Advances to `time`, which must not decrease: dust is stirred up, drifts and settles; rain and
   /// fog follow their course. Beams of times after the last call's `time` are answered from then
-  /// on. Not beside casting.
+  /// on. Must not run while beams are cast.
   void advance(SimTime time, std::span<const DustEmitter> emitters);
 
   [[nodiscard]] AirPath along(const WeatherBeam& beam) const override;
@@ -63,12 +63,13 @@ class SceneWeather final : public Weather {
 
   // For tests, status and pictures.
 
-  /// By the course and its faults.
+  /// Returns the state by the course and its faults.
   [[nodiscard]] AirState state(SimTime time) const;
   [[nodiscard]] const DustParameters& dust_parameters() const { return parameters_.dust; }
   [[nodiscard]] const DustCloud& dust() const { return dust_; }
   [[nodiscard]] Eigen::Vector2d wind_mps() const { return wind_.velocity_mps(); }
-  /// Of everything but dust and the fog's layers, at an instant held, per metre.
+  /// Returns the extinction per metre of everything but dust and the fog's layers, at an instant
+  /// that is still kept.
   [[nodiscard]] double even_extinction_pm(SimTime time) const;
 
  private:
@@ -97,7 +98,7 @@ class SceneWeather final : public Weather {
   Wind wind_;
   DustCloud dust_;
   bool dusty_ = false;
-  SimTime until_{};         ///< Of the last advance().
+  SimTime until_{};         ///< Time of the last advance().
   std::deque<Air> airs_;    ///< In order of time; what beams may still ask for.
   std::vector<Air> spare_;  ///< Their memory is used again.
   bool present_ = false;

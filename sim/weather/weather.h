@@ -29,8 +29,8 @@ struct WeatherBeam {
   Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();  ///< Unit.
   double near_m = 0.0;  ///< Echoes nearer than this are not looked for.
   double far_m = 0.0;   ///< Where the surface is.
-  /// Of a receiver whose lens is focused far away: nearer than this, it images the light as a disc
-  /// wider than its detector, which takes the share (range / focus)^2. 0: it takes all.
+  /// Focus of a receiver whose lens is focused far away: nearer than this, it images the light as a
+  /// disc wider than its detector, which takes the share (range / focus)^2. 0: it takes all.
   double focus_m = 0.0;
   double divergence_rad = 0.0;  ///< Full angle of the beam, for the volume that it fills.
   double pulse_m = 0.75;  ///< Half the pulse's length in space, c / 2 times its half-power width:
@@ -39,7 +39,7 @@ struct WeatherBeam {
   std::uint64_t draw_key = 0;  ///< With the counter's values 0, 1, … gives this beam's own random
                                ///< numbers (sim/lidar/counter_noise.h).
   double detection_energy =
-      sim::detection_energy(100.0);  ///< Fainter echoes are not told; above 0.
+      sim::detection_energy(100.0);  ///< Fainter echoes are not reported; above 0.
 };
 
 /// An echo from the air.

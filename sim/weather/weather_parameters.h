@@ -21,7 +21,7 @@ struct WeatherFrame {
   double haze_visibility_m = 0;  ///< Distance at which a contrast of 2 % is left; 0: no haze.
   double wind_mps = 0.0;
   double wind_from_rad = 0.0;  ///< Where it comes from, clockwise from north.
-  double dryness = 0.0;        ///< Of the ground: 0 no dust, 1 as dry as AP-42 takes it.
+  double dryness = 0.0;        ///< Dryness of the ground: 0 no dust, 1 as dry as AP-42 takes it.
 
   friend bool operator==(const WeatherFrame&, const WeatherFrame&) = default;
 };
@@ -36,7 +36,7 @@ enum class RainModel : std::uint8_t {
 struct RainParameters {
   RainModel model = RainModel::marshall_palmer;
   double extinction_efficiency = 2.0;  ///< Q_ext of a drop; 2 for drops far above the wavelength.
-  double refractive_index = 1.328;     ///< Of water at 905 nm.
+  double refractive_index = 1.328;     ///< Water at 905 nm.
   double smallest_drop_m = 5e-5;
   double nearest_echo_m = 1.5;  ///< No drop is seen nearer than this, nor within the beam's near_m.
 
@@ -45,10 +45,11 @@ struct RainParameters {
 void visit(fields::Visitor& v, RainParameters& p);
 
 struct SnowParameters {
-  /// Of the spectrum, per m3 and mm at 1 mm/h: 3800 in Gunn and Marshall 1958; LISA takes 7600.
+  /// Intercept of the spectrum, per m3 and mm at 1 mm/h: 3800 in Gunn and Marshall 1958; LISA takes
+  /// 7600.
   double intercept = 3800.0;
   double extinction_efficiency = 2.0;
-  double refractive_index = 1.304;  ///< Of ice at 905 nm.
+  double refractive_index = 1.304;  ///< Ice at 905 nm.
   double smallest_flake_m = 5e-5;   ///< Melted.
   double nearest_echo_m = 1.5;
 
@@ -80,12 +81,12 @@ enum class DustEchoModel : std::uint8_t {
 
 struct DustParameters {
   DustEchoModel echo = DustEchoModel::backscatter;
-  double silt_share = 0.12;             ///< Of the surface, by mass, below 75 um.
+  double silt_share = 0.12;             ///< Share of the surface's mass below 75 um.
   double mass_extinction_m2pkg = 57.0;  ///< 1.5 Q_ext / (density x mean diameter): 20 um quartz.
   double lidar_ratio_sr = 45.0;         ///< Extinction over back-scatter, mineral dust.
   double diffusivity_m2ps = 1.0;        ///< Puffs grow with sqrt(2 K t).
-  double settling_mps = 0.02;           ///< Of the particles.
-  double threshold_depth = 0.7;         ///< Of the echo model optical_depth.
+  double settling_mps = 0.02;           ///< Settling speed of the particles.
+  double threshold_depth = 0.7;         ///< Threshold of the echo model optical_depth.
 
   friend bool operator==(const DustParameters&, const DustParameters&) = default;
 };
@@ -108,8 +109,8 @@ struct WeatherParameters {
   HazeParameters haze;
   DustParameters dust;
   WindParameters wind;
-  /// Of the receiver, for dust: no light from nearer than `start` arrives, all from beyond `end`,
-  /// in proportion between (Hahner et al. 2021). Fog and haze: WeatherBeam::focus_m.
+  /// Overlap of sender and receiver, for dust: no light from nearer than `start` arrives, all from
+  /// beyond `end`, in proportion between (Hahner et al. 2021). Fog and haze: WeatherBeam::focus_m.
   double overlap_start_m = 0.9;
   double overlap_end_m = 1.0;
 

@@ -60,7 +60,7 @@ class Calendar {
 [[nodiscard]] UtcTime parse_utc(std::string_view text);
 [[nodiscard]] std::string format_utc(const UtcTime& time);
 
-/// Since 1970-01-01 00:00:00 UTC without leap seconds, as computers count.
+/// Returns the time since 1970-01-01 00:00:00 UTC without leap seconds, as computers count.
 [[nodiscard]] std::chrono::nanoseconds unix_time(const UtcTime& time);
 
 }  // namespace rigwire

@@ -34,7 +34,7 @@ struct EngineData {
   std::array<EnginePoint, kPoints> full_load{};
   double high_idle_radps = 0.0;      ///< Governed out, without load.
   double reference_torque_nm = 0.0;  ///< 100 % of all torque shares: the greatest indicated one.
-  double governor_nmsprad = 0.0;     ///< Of the end-speed governor: torque per missing speed.
+  double governor_nmsprad = 0.0;     ///< End-speed governor: torque per missing speed.
   double inertia_kgm2 = 0.0;         ///< Crank and flywheel.
 };
 
@@ -43,8 +43,8 @@ struct EngineSample {
   double speed_radps = 0.0;
   double torque_nm = 0.0;
   double friction_nm = 0.0;             ///< Its own at this speed, never negative.
-  double full_load_nm = 0.0;            ///< The most that it could give at this speed.
-  double desired_radps = kNotMeasured;  ///< Towards which its governor works.
+  double full_load_nm = 0.0;            ///< Most that it could give at this speed.
+  double desired_radps = kNotMeasured;  ///< Speed towards which its governor works.
   double coolant_c = kNotMeasured;
   double oil_c = kNotMeasured;
   double oil_pressure_pa = kNotMeasured;

@@ -1,5 +1,5 @@
-// Faults in time, one shape for all: when one holds and what it does; and the book in which whoever
-// acts them out keeps them.
+// Timed faults in one common form: when one holds and what it does; and the book that keeps the
+// faults of one target.
 //
 // What a fault does is an alternative of a variant, declared where it acts; each carries its name
 // (`static constexpr fields::Named kNamed`) and its keys (`visit`). A structure of fault is
@@ -9,8 +9,9 @@
 //     std::variant<LostPackets, MotorStall> what;
 //   };
 //
-// with whatever says of whom it is between the two. A fault that does not hold costs a comparison
-// and draws no random number, so that one which is begun during a run changes nothing else.
+// with members that name its target, if any, between the two. A fault that does not hold costs a
+// comparison and draws no random number, so that one which is begun during a run changes nothing
+// else.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +30,7 @@ namespace rigwire {
 
 /// What must become true before a fault begins: a quantity of the machine beyond a value.
 struct FaultCondition {
-  std::string quantity{};  ///< As `read` names it; empty: nothing is waited for.
+  std::string quantity{};  ///< Name of the quantity, as `read` has it; empty: none.
   bool above = true;       ///< Wanted above the value, else below.
   double value = 0.0;      ///< In the quantity's unit.
 
@@ -39,32 +40,34 @@ struct FaultCondition {
 /// When a fault holds: within its extent [begin(), end()), the whole of it or again and again.
 /// docs/faults.md has the same for users.
 struct FaultPeriod {
-  Duration at{0};                    ///< From the start of the run.
-  std::optional<Duration> length{};  ///< Of the extent; of each repetition where `every` alone.
-  std::optional<Duration> until{};   ///< The extent's end, from the start of the run.
-  Duration every{0};                 ///< From one repetition to the next; 0: it holds once.
-  double duty = 0.0;                 ///< Share of `every` for which it holds; 0: `length`.
-  double probability = 1.0;          ///< With which it happens, each repetition by itself.
-  FaultCondition when{};             ///< While it is not met, the fault has not begun.
-  std::uint64_t stream = 0;          ///< Seed of what is drawn for `probability`.
-  SimTime ordered{};                 ///< When it was begun; of a rig's file the start.
+  Duration at{0};  ///< From the start of the run.
+  /// Length of the extent; with `every` alone, of each repetition.
+  std::optional<Duration> length{};
+  std::optional<Duration> until{};  ///< The extent's end, from the start of the run.
+  Duration every{0};                ///< From one repetition to the next; 0: it holds once.
+  double duty = 0.0;                ///< Share of `every` for which it holds; 0: `length`.
+  double probability = 1.0;         ///< Probability that it happens, each repetition by itself.
+  FaultCondition when{};            ///< The fault begins only once this is met.
+  std::uint64_t stream = 0;         ///< Seed of what is drawn for `probability`.
+  SimTime ordered{};                ///< When it was ordered; for a rig file's fault the start.
 
   [[nodiscard]] bool waits() const { return !when.quantity.empty(); }
   [[nodiscard]] SimTime begin() const { return waits() ? kNever : kStart + at; }
   [[nodiscard]] SimTime end() const { return waits() ? kNever : latest_end(); }
-  /// Where the extent lies at the widest, whatever it waits for.
+  /// Widest bounds of the extent, whatever the fault waits for.
   [[nodiscard]] SimTime earliest_begin() const { return kStart + at; }
   [[nodiscard]] SimTime latest_end() const;
   [[nodiscard]] bool holds(SimTime now) const {
     return begin() <= now && now < end() && (once() || holds_again(now));
   }
-  /// When it began to hold, of the repetition that `now` is in. Precondition: begin() <= now.
+  /// Returns when the repetition that `now` is in began to hold. Precondition: begin() <= now.
   [[nodiscard]] SimTime began(SimTime now) const {
     return every == Duration{0} ? begin() : begin() + every * ((now - begin()) / every);
   }
-  /// The next instant after that one at which it may begin to hold or cease; kNever without one.
+  /// Returns the next instant after `after` at which it may begin to hold or cease; kNever without
+  /// one.
   [[nodiscard]] SimTime next_edge(SimTime after) const;
-  /// From `now` on it holds no longer, begun or not. Precondition: now < end().
+  /// Ends it at `now`, begun or not. Precondition: now < end().
   void cut(SimTime now);
 
   friend bool operator==(const FaultPeriod&, const FaultPeriod&) = default;
@@ -90,7 +93,7 @@ template <class What>
   return what;
 }
 
-/// The keys of a fault that is of nobody in particular: when, and what.
+/// Visits the keys of a fault that names no target: when, and what.
 template <class Fault>
 void visit_fault(fields::Visitor& v, Fault& p) {
   visit(v, p.when);
@@ -108,7 +111,7 @@ class FaultBook {
   };
 
   FaultBook() = default;
-  /// In that order: where several hold at once it may decide.
+  /// Keeps the order of `faults`, which may decide when several hold at once.
   explicit FaultBook(std::vector<Fault> faults) {
     for (Fault& fault : faults) {
       add(std::move(fault));
@@ -116,26 +119,26 @@ class FaultBook {
   }
 
   [[nodiscard]] bool empty() const { return entries_.empty(); }
-  /// Also what is over.
+  /// Returns all faults, including those that are over.
   [[nodiscard]] std::span<const Entry> list() const { return entries_; }
 
-  /// How many of those that are over are not in the list any more.
+  /// Number of faults that are over and have been dropped from the list.
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_; }
   [[nodiscard]] bool has(Id id) const {
     return std::ranges::binary_search(entries_, id, {}, &Entry::id);
   }
 
-  /// Precondition: it is one of the list.
+  /// Precondition: has(id).
   [[nodiscard]] const Fault& find(Id id) const {
     return std::ranges::lower_bound(entries_, id, {}, &Entry::id)->fault;
   }
 
-  /// Faults that are over are kept up to this many, and as long as somebody may look back.
+  /// Faults that are over are kept until there are this many faults, and for kLookBack at least.
   static constexpr std::size_t kKept = 1000;
   static constexpr Duration kLookBack = std::chrono::seconds{60};
 
-  /// One more, after the others. Allocates. Where there are many, the oldest that are over are
-  /// forgotten.
+  /// Appends a fault and returns its number. Allocates. When there are kKept, first drops those
+  /// that were over kLookBack ago.
   Id add(Fault fault) {
     if (entries_.size() >= kKept) {
       const SimTime past = fault.when.ordered - kLookBack;
@@ -147,7 +150,7 @@ class FaultBook {
     entries_.push_back({next_id_, std::move(fault)});
     return next_id_++;
   }
-  /// From `now` on it holds no longer, begun or not. False: there is none of that number, or it is
+  /// Ends a fault at `now`, begun or not. Returns false if there is none of that number, or it is
   /// over.
   bool end(Id id, SimTime now) {
     const auto found = std::ranges::find(entries_, id, &Entry::id);
@@ -158,8 +161,8 @@ class FaultBook {
     return true;
   }
 
-  /// What the first of those does that holds and is a `What`; nullptr without one. Valid until the
-  /// book changes.
+  /// Returns the first fault that holds and is a `What`; nullptr without one. Valid until the book
+  /// changes.
   template <class What>
   [[nodiscard]] const What* first(SimTime now) const {
     for (const Entry& entry : entries_) {
@@ -170,7 +173,7 @@ class FaultBook {
     }
     return nullptr;
   }
-  /// The same of a kind with a magnitude, as far as it has grown by then.
+  /// Returns first() of a kind with a magnitude, as far as it has grown by then.
   template <class What>
   [[nodiscard]] std::optional<What> first_grown(SimTime now) const {
     for (const Entry& entry : entries_) {
@@ -181,7 +184,7 @@ class FaultBook {
     }
     return std::nullopt;
   }
-  /// take(fault) for each that holds, in the order of the list.
+  /// Calls take(fault) for each that holds, in the order of the list.
   template <class Take>
   void each(SimTime now, Take take) const {
     for (const Entry& entry : entries_) {
@@ -190,8 +193,8 @@ class FaultBook {
       }
     }
   }
-  /// When the next fault that is one of those may begin to hold or cease, later than `after`;
-  /// kNever without one. Without a type: of all.
+  /// Returns when the next fault of the kinds `What` may begin to hold or cease, later than
+  /// `after`; kNever without one. Without a kind: of all faults.
   template <class... What>
   [[nodiscard]] SimTime next_change(SimTime after) const {
     SimTime next = kNever;
@@ -202,7 +205,7 @@ class FaultBook {
     }
     return next;
   }
-  /// The first instant from `from` on at which it is otherwise than `held` whether a `What` holds;
+  /// Returns the first instant from `from` on at which whether a `What` holds differs from `held`;
   /// kNever: it stays so.
   template <class What>
   [[nodiscard]] SimTime next_turn(SimTime from, bool held) const {
@@ -218,12 +221,12 @@ class FaultBook {
   Id next_id_ = 1;
 };
 
-/// To whoever keeps the same book elsewhere: one fault more, or the end of one.
+/// A change for other copies of a book: one more fault, or the end of one.
 template <class Fault>
 struct FaultChange {
-  std::optional<Fault> begin;              ///< Nothing: it is an end.
-  typename FaultBook<Fault>::Id end_of{};  ///< The number of the one that ends,
-  SimTime end_at{};                        ///< and when.
+  std::optional<Fault> begin;              ///< Empty: a fault ends.
+  typename FaultBook<Fault>::Id end_of{};  ///< Number of the fault that ends.
+  SimTime end_at{};                        ///< When it ends.
 
   void apply(FaultBook<Fault>& book) const {
     if (begin) {

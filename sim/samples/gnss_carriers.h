@@ -1,5 +1,5 @@
-// The two carriers on which each satellite system sends to a receiver of this house, and the code
-// that the receiver follows there:
+// The two carriers on which each satellite system sends to an emulated receiver, and the code that
+// the receiver follows there:
 //
 //              first          second
 //   GPS        L1 C/A         L2C
@@ -23,7 +23,7 @@ namespace rigwire {
 inline constexpr std::array<std::int8_t, 24> kGlonassChannels{
     1, -4, 5, 6, 1, -4, 5, 6, -2, -7, 0, -1, -2, -7, 0, -1, 4, -3, 3, 2, 4, -3, 3, 2};
 
-/// Of a satellite; 0 for other systems and slots that nobody has.
+/// Returns the channel of a GLONASS satellite; 0 for other systems and for slots that do not exist.
 [[nodiscard]] constexpr int glonass_channel(GnssSystem system, std::uint8_t number) {
   return system == GnssSystem::glonass && number >= 1 && number <= kGlonassChannels.size()
              ? kGlonassChannels[number - 1U]
@@ -34,7 +34,7 @@ inline constexpr std::array<std::int8_t, 24> kGlonassChannels{
   return system != GnssSystem::sbas && system != GnssSystem::imes;
 }
 
-/// `channel` is of GLONASS.
+/// `channel` matters for GLONASS only.
 [[nodiscard]] constexpr double carrier_hz(GnssSystem system, bool second, int channel) {
   switch (system) {
     case GnssSystem::galileo:

@@ -55,9 +55,9 @@ struct SatelliteView {
 /// measurement.
 struct GnssMeasurement {
   GnssSystem system = GnssSystem::gps;
-  std::uint8_t number = 0;  ///< As SatelliteView::number.
+  std::uint8_t number = 0;  ///< Number as in SatelliteView.
   bool second = false;      ///< On the system's second carrier, not the first.
-  std::int8_t channel = 0;  ///< Of GLONASS' carriers.
+  std::int8_t channel = 0;  ///< Channel of GLONASS' carriers.
   double pseudorange_m = 0.0;
   double carrier_phase_cycles = 0.0;  ///< Grows with the range; ambiguous by whole cycles.
   double doppler_hz = 0.0;            ///< Positive while the satellite comes nearer.
@@ -74,38 +74,39 @@ enum class AntennaState : std::uint8_t { ok, short_circuit, open };
 /// State of the radio part.
 struct RadioState {
   AntennaState antenna = AntennaState::ok;
-  double jamming = 0.0;          ///< 0 none .. 1 overwhelming, continuous wave or broad.
-  double noise_db = 0.0;         ///< Noise floor above that of an undisturbed receiver.
-  double second_jamming = 0.0;   ///< The same two of the second band (L2, E5b, B2), of a receiver
-  double second_noise_db = 0.0;  ///< that has it.
+  double jamming = 0.0;   ///< 0 none .. 1 overwhelming, continuous wave or broad.
+  double noise_db = 0.0;  ///< Noise floor above that of an undisturbed receiver.
+  /// Jamming and noise of the second band (L2, E5b, B2), for a receiver that has it.
+  double second_jamming = 0.0;
+  double second_noise_db = 0.0;
 };
 
-/// What the messages of a base station told the receiver of one epoch of the station's.
+/// One epoch of a base station, as its messages report it to the receiver.
 struct GnssCorrections {
   /// What the station measured of a signal.
   struct Signal {
     GnssSystem system = GnssSystem::gps;
-    std::uint8_t number = 0;    ///< As SatelliteView::number.
-    bool second = false;        ///< Of the second band (L2, E5b, B2), not the first.
+    std::uint8_t number = 0;    ///< Number as in SatelliteView.
+    bool second = false;        ///< Second band (L2, E5b, B2), not the first.
     double range_m = 0.0;       ///< Pseudorange; NaN: none.
     double phase_m = 0.0;       ///< Carrier phase times wavelength; NaN: none.
-    double wavelength_m = 0.0;  ///< 0: not known, as of GLONASS without its channel.
-    /// Range and phase are known but for whole multiples of this; 0: in full.
+    double wavelength_m = 0.0;  ///< 0: unknown, for instance GLONASS without its channel.
+    /// Range and phase are known up to whole multiples of this; 0: in full.
     double modulus_m = 0.0;
   };
   SimTime measured{};   ///< By GPS time.
-  Vector3 station_E_m;  ///< Where it says it is, earth-fixed, of the antenna's reference point.
-  bool moving = false;  ///< It says so at each epoch.
+  Vector3 station_E_m;  ///< Reported place of its antenna's reference point, earth-fixed.
+  bool moving = false;  ///< It reports its place at each epoch.
   std::vector<Signal> signals;
   Duration largest_age = std::chrono::seconds{60};  ///< Older ones are not used.
-  bool floating_only = false;  ///< The receiver is told not to fix ambiguities.
+  bool floating_only = false;                       ///< The receiver is set not to fix ambiguities.
 };
 
-/// What a receiver's settings, and what it hears over its ports, ask of its navigation engine.
+/// What a receiver's settings and the messages at its ports ask of its navigation engine.
 struct GnssCommand {
   /// Bit by GnssSystem: whose satellites may take part in the fix, and are measured.
   std::uint8_t systems = 0xFF;
-  /// The same: whose second signals are measured.
+  /// Bit by GnssSystem: whose second signals are measured.
   std::uint8_t second_signals = 0xFF;
   double minimum_elevation_rad = 0.0;
   double minimum_cn0_dbhz = 0.0;
@@ -117,7 +118,7 @@ struct GnssCommand {
   double vertical_acceleration = 0.32;
   bool stationary = false;   ///< It takes its velocity for zero.
   std::uint32_t starts = 0;  ///< Grows when the receiver starts anew: its engine forgets.
-  /// The newest from a base station; null: none was ever heard.
+  /// Newest corrections of a base station; null: none was received yet.
   std::shared_ptr<const GnssCorrections> corrections;
 
   [[nodiscard]] bool uses(GnssSystem system) const {
@@ -171,8 +172,8 @@ struct GnssSample {
   double east_dilution = std::numeric_limits<double>::quiet_NaN();   ///< With geometric dilution.
   RadioState radio;
   std::vector<SatelliteView> satellites;  ///< Above the horizon, by system and number.
-  /// Of the tracked satellites, when raw measurements are switched on: by system and number, the
-  /// first signal before the second.
+  /// Measurements of the tracked satellites, when raw measurements are switched on: by system and
+  /// number, the first signal before the second.
   std::vector<GnssMeasurement> measurements;
   /// What the satellites broadcast at that time; null when nothing needs it.
   std::shared_ptr<const GpsNavigation> navigation;

@@ -16,13 +16,13 @@ namespace rigwire {
 /// 14 s late (its weeks here are those of GPS). What only GPS has is 0 for them.
 struct GpsEphemeris {
   std::uint8_t prn = 0;              ///< 1..32.
-  std::int32_t week = 0;             ///< Of toe, not rolled over.
+  std::int32_t week = 0;             ///< Week of toe, not rolled over.
   std::uint16_t issue_of_clock = 0;  ///< IODC, 10 bits; its low byte is issue_of_ephemeris.
   std::uint8_t issue_of_ephemeris = 0;
   std::uint8_t accuracy_index = 0;  ///< URA, 0..15.
   std::uint8_t health = 0;          ///< 6 bits, 0 = all signals good.
   double group_delay_s = 0.0;       ///< TGD.
-  /// Galileo: of E5a (the other is of E5b); BeiDou: of B2I; GPS: none.
+  /// Galileo: for E5a (group_delay_s is for E5b); BeiDou: for B2I; GPS: none.
   double second_delay_s = 0.0;
   double clock_time_s = 0.0;          ///< toc, time of week.
   double clock_bias_s = 0.0;          ///< af0.

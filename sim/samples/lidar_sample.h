@@ -93,7 +93,7 @@ using BankReturns = std::array<LidarReturn, kBankLasers>;
 /// rotor angle and sensor pose of that very instant. Banks of one firing follow each other with the
 /// same time.
 struct LidarFiring {
-  SimTime time{};  ///< Of the first laser of all banks.
+  SimTime time{};  ///< Time of the first laser of all banks.
   double rotor_azimuth_rad =
       0.0;  ///< At `time`; clockwise seen from above, 0 = sensor forward, [0, 2 pi).
   double rotor_rate_radps = 0.0;  ///< At `time`, positive clockwise.

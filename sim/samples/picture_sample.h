@@ -77,7 +77,7 @@ enum class PictureComponent : std::uint8_t {
   intensity,
   disparity,   ///< Pixels between left and right, coded.
   range,       ///< Distance along the optical axis, coded.
-  confidence,  ///< Of the disparity or range beside it.
+  confidence,  ///< Confidence of the disparity or range beside it.
 };
 
 /// Coordinate = offset + scale * value; of disparity in pixels, of range in metres.
@@ -102,7 +102,7 @@ struct PictureRegion {
 /// One plane of a picture.
 struct PicturePart {
   PictureComponent component = PictureComponent::intensity;
-  std::uint8_t source = 0;  ///< Which of several optical heads: 0 left or only, 1 right.
+  std::uint8_t source = 0;  ///< Optical head: 0 left or only, 1 right.
   PixelFormat format = PixelFormat::mono8;
   PictureRegion region;
   /// region.width * region.height pixels, the top row first; no padding anywhere.
@@ -111,19 +111,19 @@ struct PicturePart {
 
 /// One exposure.
 struct Picture {
-  SimTime exposure_start{};        ///< Of the first row.
-  Duration exposure{0};            ///< Of each row; what automatic exposure chose.
-  double gain_db = 0.0;            ///< What automatic gain chose.
+  SimTime exposure_start{};        ///< Start of exposure of the first row.
+  Duration exposure{0};            ///< Exposure time of each row, commanded or automatic.
+  double gain_db = 0.0;            ///< Commanded or automatic.
   std::vector<PicturePart> parts;  ///< In the order in which they leave; at least one.
 };
 
 /// What the sensor hands over at `time`: when the last row of the exposure has been read out.
 struct PictureSample {
   SimTime time{};
-  SimTime exposure_start{};  ///< As the picture's; also of one that was skipped.
+  SimTime exposure_start{};  ///< Start of exposure; also for a picture that was skipped.
   /// Null: there was no time to make it, as in a camera that is triggered too fast.
   std::shared_ptr<const Picture> picture;
-  bool late = false;  ///< Told later than by a machine that is fast enough.
+  bool late = false;  ///< Delivered later than by a machine that is fast enough.
 };
 
 /// What a camera wants of its sensor; acts from the next exposure on.
@@ -132,7 +132,7 @@ struct PictureSample {
 /// (SamplePlan, emulators/device.h): each instant of the plan is the start of one exposure.
 /// Exposures by software are counted here.
 struct CameraCommand {
-  PixelFormat format = PixelFormat::mono8;  ///< Of the intensity.
+  PixelFormat format = PixelFormat::mono8;  ///< Pixel format of the intensity.
   PictureRegion region;  ///< Width and height are greater than 0 when it is used.
   int binning_horizontal = 1;
   int binning_vertical = 1;
@@ -141,7 +141,7 @@ struct CameraCommand {
   double gain_db = 0.0;
   bool gain_auto = false;    ///< The sensor chooses the gain.
   double black_level = 0.0;  ///< Added to every pixel, in grey levels of an 8-bit picture.
-  /// Which parts a picture has, in this order; a camera asks only for what its sensor can make.
+  /// Parts of a picture, in this order; a camera asks only for what its sensor can make.
   bool intensity = true;
   bool intensity_right = false;  ///< The right image of a stereo camera.
   bool disparity = false;
@@ -154,7 +154,7 @@ struct CameraCommand {
   friend bool operator==(const CameraCommand&, const CameraCommand&) = default;
 };
 
-/// Of all parts of a picture that this command asks for.
+/// Returns the number of bytes of all parts of a picture that this command asks for.
 [[nodiscard]] constexpr std::size_t picture_bytes(const CameraCommand& command) {
   const std::size_t images = (command.intensity ? 1U : 0U) + (command.intensity_right ? 1U : 0U);
   const std::size_t coordinates = (command.disparity ? 1U : 0U) + (command.range ? 1U : 0U);

@@ -14,7 +14,7 @@ struct PowerUnitCommand {
   std::optional<double> speed_radps;  ///< In place of the dial's.
   double torque_limit_share = 1.0;    ///< 0 .. 1 of EngineData's reference torque.
 
-  /// Whether the same is asked, no matter since when.
+  /// Whether both ask for the same, whatever their time.
   friend bool operator==(const PowerUnitCommand& a, const PowerUnitCommand& b) {
     return a.speed_radps == b.speed_radps && a.torque_limit_share == b.torque_limit_share;
   }
@@ -23,8 +23,8 @@ struct PowerUnitCommand {
 struct PowerUnitSample {
   SimTime time{};
   EngineSample engine;
-  double dial_radps = 0.0;  ///< What the machine's own dial says.
-  double dial_share = 0.0;  ///< The same, 0 idle .. 1 greatest speed.
+  double dial_radps = 0.0;  ///< Speed that the machine's own dial asks for.
+  double dial_share = 0.0;  ///< The dial, 0 idle .. 1 greatest speed.
   double pump_pressure_pa = 0.0;
   double pump_flow_m3ps = 0.0;
   double pump_torque_nm = 0.0;

@@ -17,7 +17,7 @@ struct ValveCommand {
   std::array<double, kValveSections> opening{};  ///< -1 .. 1 of full spool travel; 0 = neutral.
   std::array<bool, kValveSections> floating{};   ///< Both ports to tank; opening is ignored.
 
-  /// Whether the same is asked, no matter since when.
+  /// Whether both ask for the same, whatever their time.
   friend bool operator==(const ValveCommand& a, const ValveCommand& b) {
     return a.opening == b.opening && a.floating == b.floating;
   }

@@ -30,10 +30,10 @@ enum class EngineControl : std::uint8_t {
 enum class ImplementEnd : std::size_t { front = 0, rear = 1 };
 inline constexpr std::size_t kImplementEnds = 2;
 
-/// Of one end's power take-off shaft.
+/// Command for one end's power take-off shaft.
 struct PowerTakeOffCommand {
   bool engaged = false;
-  /// Of the shaft, which the engine's governor then holds; nothing: as the engine turns.
+  /// Speed of the shaft, which the engine's governor then holds; empty: as the engine turns.
   std::optional<double> speed_radps;
 
   friend bool operator==(const PowerTakeOffCommand&, const PowerTakeOffCommand&) = default;
@@ -50,7 +50,7 @@ struct VehicleCommand {
   /// through its hydrostatic drive; reverse negative, 0 stops and holds. Nothing: engine, gear and
   /// brakes are as asked for above and below. While it is given, the engine is the controller's.
   std::optional<double> travel_speed_mps;
-  /// Of the engine while travel_speed_mps is given.
+  /// Limits of the engine while travel_speed_mps is given.
   double engine_speed_limit_radps = std::numeric_limits<double>::infinity();
   double engine_torque_limit_share = 1.0;
   bool automatic_gear = false;  ///< With travel_speed_mps: the controller shifts, `gear` is left.
@@ -64,7 +64,7 @@ struct VehicleCommand {
   std::array<double, kWheels> tyre_pressure_pa{};  ///< Above ambient; 0 = as it is.
   std::array<bool, 2> vibration{};                 ///< Front and rear drum.
   double edge_cutter_share = 0.0;                  ///< 0 raised .. 1 pressed down.
-  double spreader_rate_kgpm2 = 0.0;                ///< Of the chip spreader.
+  double spreader_rate_kgpm2 = 0.0;                ///< Rate of the chip spreader.
   /// Height of each hitch, 0 down .. 1 up; nothing: it stays where it is.
   std::array<std::optional<double>, kImplementEnds> hitch_share{};
   std::array<PowerTakeOffCommand, kImplementEnds> power_take_off{};
@@ -75,9 +75,9 @@ struct VehicleCommand {
 /// Speed, curvature and slip angle as the machine's kinematic model has them from wheel speeds and
 /// steering angles: a slipping wheel shows, the body's true motion does not enter.
 struct OdometryReading {
-  double speed_mps = 0.0;       ///< Of the reference point, along the body's x.
-  double curvature_1pm = 0.0;   ///< Of the reference point's path, left positive.
-  double slip_angle_rad = 0.0;  ///< Of the reference point's velocity against the body's x.
+  double speed_mps = 0.0;       ///< Speed of the reference point along the body's x.
+  double curvature_1pm = 0.0;   ///< Curvature of the reference point's path, left positive.
+  double slip_angle_rad = 0.0;  ///< Angle of the reference point's velocity to the body's x.
 };
 
 /// Why a travel speed that is asked for is not held.
@@ -111,8 +111,8 @@ struct VehicleSample {
   double gear_ratio = 0.0;  ///< Gearbox input to output; 0 in neutral.
   bool shifting = false;
   bool driveline_engaged = false;
-  double input_shaft_radps = 0.0;   ///< Of the gearbox.
-  double output_shaft_radps = 0.0;  ///< Of the gearbox.
+  double input_shaft_radps = 0.0;   ///< Input shaft of the gearbox.
+  double output_shaft_radps = 0.0;  ///< Output shaft of the gearbox.
   double clutch_slip_share = 0.0;   ///< 0 .. 1.
   std::array<double, kWheels> wheel_rate_radps{};
   std::array<double, kWheels> wheel_radius_m{};  ///< With which rates are turned into speeds.
@@ -123,7 +123,7 @@ struct VehicleSample {
   std::array<bool, kDifferentials> lock{};  ///< Engaged.
   std::array<double, kWheels> tyre_pressure_pa{};
   std::array<double, kWheels> tyre_pressure_target_pa{};
-  double hydraulic_pressure_pa = 0.0;  ///< Of a hydrostatic drive or the steering.
+  double hydraulic_pressure_pa = 0.0;  ///< Pressure of a hydrostatic drive or the steering.
   std::array<bool, 2> vibration{};
   double edge_cutter_share = 0.0;
   double spreader_rate_kgpm2 = 0.0;

@@ -119,6 +119,8 @@ void MotionTrack::fit_spline() {
   }
 }
 
+/// Interpolates as motion_track.h says: cubic Hermite polynomials for position, attitude, velocity
+/// and rate, straight lines for the accelerations.
 LinkMotion MotionTrack::at(SimTime time) const {
   LinkMotion motion;
   const auto stand = [&](const Knot& knot) {

@@ -17,7 +17,7 @@ constexpr std::array<StatusQuantity, 5> kStatus{{{"east", "m"},
                                                  {"speed", "m/s"},
                                                  {"commands without effect", "1"}}};
 
-/// Of wheels that roll: below, the path has no curvature that could be told.
+/// Below this speed of rolling wheels the curvature of the path cannot be determined.
 constexpr double kLeastSpeed_mps = 0.1;
 
 void require_width(const RecordedNumbers& numbers, std::size_t width, const char* what) {

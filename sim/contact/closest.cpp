@@ -18,7 +18,7 @@ namespace {
 using Vector = Eigen::Vector3d;
 
 constexpr double kSame_m = 1e-6;   // GJK's number and its normal's gap agree.
-constexpr double kShift_m = 2e-4;  // Of A, before GJK is asked again.
+constexpr double kShift_m = 2e-4;  // Shift of A before GJK is called again.
 constexpr double kKeptShare = 1.0 / 3.0;
 constexpr double kNearKept = 0.866;  // Cosine of 30 degrees.
 

@@ -16,21 +16,22 @@ namespace rigwire::sim {
 struct ContactBox {
   std::string name;
   std::string link;
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Of its middle, in the link's frame.
-  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();      ///< Full lengths.
-  double pitch_rad = 0.0;  ///< About the link's y, nose down positive.
+  /// Middle of the box, in the link's frame.
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();  ///< Full lengths.
+  double pitch_rad = 0.0;                            ///< About the link's y, nose down positive.
 
   friend bool operator==(const ContactBox&, const ContactBox&) = default;
 };
 void visit(fields::Visitor& v, ContactBox& p);
 
-/// What of a machine meets obstacles, and how hard it is.
+/// Bodies of a machine that contact obstacles, and their stiffness.
 struct SolidBodyParameters {
   std::vector<ContactBox> boxes;
-  double stiffness_npm = 1.5e6;  ///< Of each point of contact.
-  double damping_ratio = 0.3;    ///< With the machine's mass on one point.
-  double crush_n = 0.0;          ///< Force at which a point is bent in for good; 0: never.
-  double crush_npm = 0.0;        ///< By how much more, by the depth of its dent.
+  double stiffness_npm = 1.5e6;  ///< Stiffness of each point of contact.
+  double damping_ratio = 0.3;    ///< Damping of one point that carries the machine's whole mass.
+  double crush_n = 0.0;          ///< Force at which a point is dented for good; 0: never.
+  double crush_npm = 0.0;        ///< Rise of the crush force with the depth of the dent.
 
   friend bool operator==(const SolidBodyParameters&, const SolidBodyParameters&) = default;
 };

@@ -31,19 +31,20 @@
 
 namespace rigwire::sim {
 
-/// How a pair of bodies pushes at one of its points.
+/// Force law of one point of contact between two bodies.
 struct ContactLaw {
   double stiffness_npm = 1e6;
   double damping_nspm = 1e4;
   double friction = 0.6;
-  double greatest_n = 1e300;  ///< What the weaker one bears before it gives way.
-  bool dents = false;         ///< It is the body that does.
-  bool sinks = false;         ///< It is the soil that does.
-  double body_share = 1.0;    ///< Of the overlap: the body's; the obstacle gives by the others.
-  double bristle_npm = 5e5;   ///< Stiffness across.
+  double greatest_n = 1e300;  ///< Force at which the weaker body yields.
+  bool dents = false;         ///< The machine's body yields.
+  bool sinks = false;         ///< The soil yields.
+  /// Share of the overlap by which the machine's body gives way; the obstacle takes the rest.
+  double body_share = 1.0;
+  double bristle_npm = 5e5;  ///< Tangential stiffness.
 };
 
-/// Friction that a point carries from step to step.
+/// Friction state that a point keeps from step to step.
 struct ContactFriction {
   std::array<Bristle, 2> across;
   Eigen::Vector3d first_W = Eigen::Vector3d::Zero();  ///< Direction of across[0].
@@ -52,31 +53,32 @@ struct ContactFriction {
 };
 
 struct ContactPoint {
-  std::size_t body = 0;      ///< Of the machine (ContactSet).
-  std::size_t link = 0;      ///< Of the machine's.
-  std::size_t obstacle = 0;  ///< Of the ground's, where it is neither of the next two.
+  std::size_t body = 0;      ///< Index of the machine's body (ContactSet).
+  std::size_t link = 0;      ///< Index of the machine's link.
+  std::size_t obstacle = 0;  ///< Index of the ground's obstacle, unless terrain or mover is set.
   bool terrain = false;
-  std::optional<std::uint32_t> mover;  ///< What it meets moves by itself (movers.h).
-  /// Of what it meets, along the three directions: velocity without this push, and velocity per
-  /// impulse. 0 for what is fixed, and where the solver has both sides in its system.
+  /// Index of the loose body, if the point is on one (movers.h).
+  std::optional<std::uint32_t> mover;
+  /// Velocity of the other body without this push, and its velocity per impulse, along the three
+  /// directions. 0 if the other body is fixed, or if both bodies are in the solver's system.
   std::array<double, 3> other_mps{};
   std::array<double, 3> other_1pkg{};
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
-  Eigen::Vector3d p_M = Eigen::Vector3d::Zero();  ///< The same in the mover's frame.
-  /// Unit: away from the obstacle, and two across.
+  Eigen::Vector3d p_M = Eigen::Vector3d::Zero();  ///< p_W in the mover's frame.
+  /// Unit vectors: normal, away from the obstacle, and two tangents.
   std::array<Eigen::Vector3d, 3> direction_W;
-  double gap_m = 0.0;   ///< Beyond rest_m, dent_m and sunk_m.
-  double rest_m = 0.0;  ///< Overlap that pushes nobody: the pair was found in it.
-  double dent_m = 0.0;  ///< So far the body is bent in here.
-  double sunk_m = 0.0;  ///< So far the soil is pressed in here.
+  double gap_m = 0.0;   ///< Gap beyond rest_m, dent_m and sunk_m.
+  double rest_m = 0.0;  ///< Overlap without force: the pair already had it at first contact.
+  double dent_m = 0.0;  ///< Depth to which the body is dented here.
+  double sunk_m = 0.0;  ///< Depth to which the soil is pressed in here.
   ContactLaw law;
   ContactFriction friction;
   std::array<ImplicitForce, 3> force;
-  std::array<double, 3> force_n{};  ///< As found.
+  std::array<double, 3> force_n{};  ///< Forces of the velocities found last.
   std::array<double, 3> start_mps{};
-  std::array<double, 3> end_mps{};  ///< Against what it meets.
+  std::array<double, 3> end_mps{};  ///< Relative to the other body.
   bool released = false;
-  bool yielding = false;  ///< At greatest_n.
+  bool yielding = false;  ///< The normal force is at greatest_n.
   bool blocks = false;    ///< Holds up a machine whose model has no forces.
   int switches = 0;
 

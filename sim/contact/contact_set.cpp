@@ -21,16 +21,17 @@ constexpr std::size_t kMostLeaning = 64;
 constexpr double kHinge_rad = 0.1;  // Up to here an obstacle that yields keeps its moment,
 constexpr double kDown_rad = 0.4;   // from here on it has none.
 constexpr double kLeastHeight_m = 0.3;
-// Of the ground under one point: a plate of 0.3 m radius on dense gravel, 2 a E / (1 - nu^2) with
-// 80 MPa (Boussinesq's rigid punch); an estimate.
+// Stiffness of the ground under one point: a plate of 0.3 m radius on dense gravel, 2 a E / (1 -
+// nu^2) with 80 MPa (Boussinesq's rigid punch); an estimate.
 constexpr double kTerrain_npm = 5e7;
-// A body that is lower than this is looked at in each step; one that is higher, when the fastest
-// point has come a quarter of the way: the terrain may be steep.
+// A body that is lower than this is checked in each step. A higher one is checked when the fastest
+// point has moved a quarter of its height, since the terrain may be steep.
 constexpr double kLow_m = 0.1;
 constexpr double kResolved =
     1.0;  // (Step x frequency)^2 of what lies loose on a machine's springs.
 constexpr double kLooseDampingRatio = 0.3;  // With the mass of what lies loose.
-constexpr double kNoWall_m = 0.45;          // Of a drum that is not: after a tenth of a metre.
+// Height assumed for a drum far from walls: checked again after 0.1 m.
+constexpr double kNoWall_m = 0.45;
 constexpr double kSteep = RollingClimb::kSlope;
 constexpr double kRollsOver = RollingClimb::kSteepest;
 
@@ -79,8 +80,9 @@ std::pair<GroundPoint, double> from_above(const Ground& ground, const Vector& p)
   return {under, (p.z() - under.height_m) * under.normal_W.z()};
 }
 
-// Of a point deep in the ground: where the way to it from the first of `outside` that is above
-// ground enters through what is steep against the surface above p, against the terrain there.
+// Terrain contact of a point p deep in the ground. Follows the line to p from the first of
+// `outside` that is above ground. Where it enters through terrain that is steep against the surface
+// above p, returns the terrain there and the distance of p from it; else from_above().
 std::pair<GroundPoint, double> from_outside(const Ground& ground, std::array<Vector, 2> outside,
                                             const Vector& p) {
   constexpr double kApart_m = 0.05;
@@ -314,6 +316,8 @@ void ContactSet::pair_up(std::uint32_t body, std::uint32_t obstacle) {
   }
 }
 
+/// Broad phase: pairs each body with the obstacles, loose bodies and terrain whose boxes along the
+/// world's axes overlap its own, grown by kSlack_m, and sets the way after which this is repeated.
 void ContactSet::look(std::span<const ContactLink> links) {
   std::swap(pairs_, others_);
   pairs_.clear();

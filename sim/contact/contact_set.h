@@ -70,50 +70,55 @@ struct ContactBody {
   std::size_t link = 0;
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
   ConvexShape shape;
-  double stiffness_npm = 1.5e6;  ///< Of one point; of a soft body's, of all.
+  /// Stiffness of one point; of a soft body, of all its points together.
+  double stiffness_npm = 1.5e6;
   double damping_nspm = 3e4;
-  double crush_n = 0.0;    ///< Force at which a point of contact bends it in; 0: never.
-  double crush_npm = 0.0;  ///< By how much more, by the depth of the dent.
-  bool rolls = false;      ///< A wheel: meets only what it cannot roll over, see step_below_m.
-  bool soft = false;       ///< Rubber: how far it is in is how far it is pressed, no overlap.
-  /// Points of its surface meet the terrain's heights: of boxes so far apart at most.
+  double crush_n = 0.0;    ///< Force at which a point of contact is dented; 0: never.
+  double crush_npm = 0.0;  ///< Rise of crush_n with the depth of the dent.
+  bool rolls = false;      ///< A wheel: contacts only what it cannot roll over, see step_below_m.
+  bool soft = false;       ///< Rubber: its overlap counts as compression.
+  /// Contacts the terrain with points of its surface. Those of a box are spacing_m apart at most.
   bool meets_terrain = false;
   double spacing_m = 1.0;
-  bool meets_obstacles = true;  ///< And what lies loose.
-  /// A wheel cannot roll over what rises above the point so far below its middle, along its link's
-  /// z (Ground::rises_above), balls excepted or not.
+  bool meets_obstacles = true;  ///< Contacts obstacles and loose bodies.
+  /// Distance from the wheel's middle down along its link's z to the greatest height that it rolls
+  /// over (Ground::rises_above), balls excepted or not.
   double step_below_m = 0.0;
   bool rolls_over_balls = true;
-  /// A drum, which is rigid, has this in place of the two above (ContactSet::climb).
+  /// Replaces the two above for a drum, which is rigid (ContactSet::climb).
   RollingClimb climb = {};
-  /// Of its surface; of two that rub the smaller counts. Infinite: that of what it meets.
+  /// Friction of its surface; the smaller friction of the two surfaces counts. Infinite: the other
+  /// surface's friction.
   double friction = std::numeric_limits<double>::infinity();
 };
 
-/// Of a body's point, one of so many of its pair, in a row with that of what it meets: `other_npm`
-/// of itself, 0: rigid.
+/// Returns the law of one of a pair's `points`: the body's stiffness in series with the other
+/// body's `other_npm` (0: rigid).
 [[nodiscard]] ContactLaw law_in_a_row(const ContactBody& body, double other_npm, double friction,
                                       std::size_t points = 1);
 
-/// Where a link is and how it moves.
+/// Pose and velocities of a link.
 struct ContactLink {
   Eigen::Isometry3d X_WL = Eigen::Isometry3d::Identity();
   Eigen::Vector3d v_WL_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d w_WL_W = Eigen::Vector3d::Zero();
-  bool rests = false;  ///< Cannot move: meets only what does.
+  bool rests = false;  ///< Cannot move: contacts only moving bodies.
 
-  /// Of a point of the link at p_W.
+  /// Returns the velocity of the link's point at p_W.
   [[nodiscard]] Eigen::Vector3d velocity_W(const Eigen::Vector3d& p_W) const {
     return v_WL_W + w_WL_W.cross(p_W - X_WL.translation());
   }
 };
 
-/// Who holds a machine up.
+/// What supports a machine.
 enum class Carried : std::uint8_t {
-  by_wheels,  ///< What rolls is its own model's; the bodies that may meet the terrain.
-  by_model,   ///< So is what it stands on: of the terrain bodies meet what is in their way, more
-              ///< than 30 degrees against their link's z, 72 where they roll.
-  by_contact  ///< Nobody else: what rolls meets what it could roll over, too, and the terrain.
+  /// The machine's model handles the wheels; bodies with meets_terrain contact all terrain.
+  by_wheels,
+  /// The model handles the ground below, too. Bodies contact only terrain in their way: steeper
+  /// than 30 degrees against their link's z, 72 where they roll.
+  by_model,
+  /// Contact alone: rolling bodies also contact the terrain and what they could roll over.
+  by_contact
 };
 
 class ContactSet {
@@ -156,11 +161,11 @@ class ContactSet {
     }
     finish(h, work);
   }
-  /// From the next step on; at first by_wheels.
+  /// Sets the support from the next step on; by_wheels at the start.
   void carry(Carried by);
-  /// No point pushes any more: the machine was put elsewhere.
+  /// Clears all forces: the machine was placed elsewhere.
   void forget();
-  /// Of a step in which nothing was near.
+  /// Removes the points, in a step with nothing near.
   void clear_points() {
     points_.clear();
     pair_of_.clear();
@@ -168,50 +173,53 @@ class ContactSet {
 
   [[nodiscard]] const ContactReport& report() const { return report_; }
   [[nodiscard]] std::span<const ContactBody> bodies() const { return bodies_; }
-  /// What a body that rolls climbs from now on.
+  /// Sets what a rolling body can climb from now on.
   void climb(std::size_t body, const RollingClimb& climb) { bodies_[body].climb = climb; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
   [[nodiscard]] std::span<const Dent> dents() const { return dents_.dents(); }
 
-  /// Those that have given way, in the order in which they did: for the scene.
+  /// Returns the obstacles that have given way, in that order, for the scene.
   [[nodiscard]] std::span<const LeaningObstacle> leaning() const { return leaning_; }
-  /// Something has come that was not there: who is near is asked anew.
+  /// Repeats the search for near bodies: something was added.
   void look_anew() { travelled_m_ = kSlack_m; }
-  /// An obstacle stands elsewhere than in the step before: whoever was far from it may be near.
+  /// Reports that an obstacle has moved since the last step, so that distant bodies may be near
+  /// now.
   void moved(std::size_t obstacle);
 
  private:
   static constexpr double kSlack_m = 0.5;
   static constexpr double kReach_m = 0.02;
-  static constexpr double kClear_m = 0.1;  ///< Of what has fallen before it is solid again.
-  static constexpr std::uint32_t kTerrain = 0xFFFFFFFFU;  ///< As obstacle of a pair.
+  /// Distance of the machine from a fallen obstacle that makes it solid again.
+  static constexpr double kClear_m = 0.1;
+  /// Obstacle index of the terrain in a pair.
+  static constexpr std::uint32_t kTerrain = 0xFFFFFFFFU;
 
   struct Pair {
     std::uint32_t body = 0;
-    std::uint32_t obstacle = 0;  ///< Of the ground's; beyond them, movers; kTerrain.
-    bool idle = false;           ///< Both rest: all is as it was.
-    /// They are no nearer than this, as long as the mover has not gone on from way_m.
+    std::uint32_t obstacle = 0;  ///< Index of an obstacle, then of movers after them; or kTerrain.
+    bool idle = false;           ///< Both are at rest: nothing has changed.
+    /// Lower bound of their distance while the mover's way is still way_m.
     double apart_m = -1e300;
-    double way_m = 0.0;  ///< Mover::way_m at the last look.
-    /// Of the last look, met or not.
+    double way_m = 0.0;  ///< Mover::way_m at the last check.
+    /// Separation axis found last, with or without contact.
     Eigen::Vector3d axis_W = Eigen::Vector3d::UnitZ();
-    Eigen::Vector3d axis_L = Eigen::Vector3d::UnitZ();  ///< The same in the link.
+    Eigen::Vector3d axis_L = Eigen::Vector3d::UnitZ();  ///< axis_W in the link's frame.
     bool pushing = false;
     PairMemory memory;
-    /// With what lies loose: in its springs, and no more than was put into them.
+    /// Energy in its springs with a loose body, J; at most the work that was put into them.
     double held_j = 0.0;
   };
 
-  /// What a pair meets, in a form that all of them have.
+  /// Properties of what a pair contacts, the same for all kinds.
   struct Met {
-    double stiffness_npm = 0.0;  ///< Of itself; 0: rigid.
+    double stiffness_npm = 0.0;  ///< Its own stiffness; 0: rigid.
     double friction = 0.6;
     double strength_nm = 1e300;
     Eigen::Vector3d foot_W = Eigen::Vector3d::Zero();
     const Mover* mover = nullptr;
-    const SoilBearing* soil = nullptr;  ///< Of terrain.
-    double width_m = 0.0;               ///< Of the patch in which the terrain is met.
-    double patch_m2 = 0.0;              ///< Each point's share of it.
+    const SoilBearing* soil = nullptr;  ///< Set for terrain.
+    double width_m = 0.0;               ///< Width of the patch in contact with terrain.
+    double patch_m2 = 0.0;              ///< Area of that patch per point.
   };
   struct Touch {
     Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
@@ -221,12 +229,12 @@ class ContactSet {
   };
   struct NearTouch {
     Touch touch;
-    bool kept = false;  ///< Of the step before.
+    bool kept = false;  ///< Was a point in the last step, too.
   };
 
   double move_others(double h, double fastest_mps);
-  /// What lies loose has gone its way of the step before, which settle() could only predict from
-  /// the machine's push: the pairs' springs and bristles are set to where it is.
+  /// Adjusts springs and bristles of the pairs to the real motion of loose bodies in the last step,
+  /// which settle() could only predict from the machine's push.
   void follow_others();
   [[nodiscard]] std::span<const Mover> others() const;
   [[nodiscard]] const Mover* mover_of(std::uint32_t obstacle) const;
@@ -234,7 +242,7 @@ class ContactSet {
   void pair_up(std::uint32_t body, std::uint32_t obstacle);
   [[nodiscard]] double above_terrain_m(const ContactBody& body, std::size_t index,
                                        const ContactLink& link);
-  /// Whether a body meets terrain with this normal.
+  /// Returns whether a body contacts terrain with this normal.
   [[nodiscard]] bool meets(const ContactBody& body, const ContactLink& link,
                            const Eigen::Vector3d& normal_W, std::uint8_t soil) const;
   [[nodiscard]] bool rolls_over(const ContactBody& body, std::size_t obstacle,
@@ -245,7 +253,7 @@ class ContactSet {
                   const Met& met);
   [[nodiscard]] Eigen::Isometry3d pose_of(std::size_t obstacle) const;
   [[nodiscard]] double strength_of(std::size_t obstacle) const;
-  /// The point on the surface of its body as it was before it was bent.
+  /// Returns the point on the surface of its undented body.
   [[nodiscard]] Eigen::Vector3d surface_L(const ContactPoint& point) const;
   LeaningObstacle* lean_of(std::size_t obstacle);
   void sink(ContactPoint& point, const PairMemory::Place* before, const Met& met, double pressed_m,
@@ -261,23 +269,26 @@ class ContactSet {
   std::vector<ContactBody> bodies_;
   std::size_t links_;
   std::vector<Pair> pairs_;
-  std::vector<Pair> others_;  ///< The list of before, while a new one is made.
+  std::vector<Pair> others_;  ///< Previous pairs, while new ones are collected.
   std::vector<std::uint32_t> found_;
-  std::vector<NearTouch> touches_;    ///< Of a body and the terrain.
-  std::vector<SidePlace> places_;     ///< Of a side that rolls.
-  std::vector<SoilBearing> bearing_;  ///< Of each of the ground's soils.
+  std::vector<NearTouch> touches_;    ///< Points of a body near the terrain.
+  std::vector<SidePlace> places_;     ///< Places on the side of a rolling body.
+  std::vector<SoilBearing> bearing_;  ///< One for each of the ground's soils.
   std::vector<ContactPoint> points_;
-  std::vector<std::uint32_t> pair_of_;  ///< Of each point.
+  std::vector<std::uint32_t> pair_of_;  ///< Pair of each point.
   std::vector<LeaningObstacle> leaning_;
   Dents dents_;
   std::size_t falling_ = 0;
-  std::vector<ContactLink> at_;                          ///< Links of the last begin().
-  std::vector<double> moved_m_;                          ///< Of each body since then, at most.
-  std::vector<std::vector<Eigen::Vector3d>> surface_m_;  ///< Of bodies that meet the terrain.
-  double look_after_m_ = 0.0;  ///< Way after which who is near is asked anew.
-  double others_due_s_ = 0.0;  ///< The machine's last step, that the others have yet to go.
-  double settled_s_ = 0.0;     ///< Length of the last step that was settled.
-  double others_mps_ = 0.0;    ///< Of the fastest of them in its last step.
+  std::vector<ContactLink> at_;  ///< Links of the last begin().
+  std::vector<double> moved_m_;  ///< Upper bound of each body's way since the last begin().
+  /// Surface points of bodies that contact the terrain.
+  std::vector<std::vector<Eigen::Vector3d>> surface_m_;
+  /// Way after which near bodies are searched again.
+  double look_after_m_ = 0.0;
+  /// The machine's last step, which the loose bodies have yet to make.
+  double others_due_s_ = 0.0;
+  double settled_s_ = 0.0;   ///< Length of the last step that was settled.
+  double others_mps_ = 0.0;  ///< Speed of the fastest loose body in its last step.
   double travelled_m_ = kSlack_m;
   double work_j_ = 0.0;
   double stored_j_ = 0.0;

@@ -12,7 +12,7 @@ namespace {
 using Vector = Eigen::Vector3d;
 
 constexpr double kFlat_m = 1e-9;      // Points this near a face's plane belong to it.
-constexpr int kRimPoints = 8;         // Of a cap as a polygon.
+constexpr int kRimPoints = 8;         // Corners of the polygon that stands for a cap.
 constexpr double kSameNormal = 1e-9;  // 1 - cosine.
 
 void check_length(double length_m, const char* what) {
@@ -248,7 +248,7 @@ Feature ConvexShape::feature(const Vector& direction) const {
   const Face* best = &faces_.front();
   double most = best->normal.dot(direction);
   const Vector farthest = support(direction);
-  // Of the faces about the farthest point the one that looks best.
+  // Among the faces at the farthest point, choose the one that faces `direction` most.
   bool about = false;
   for (const Face& face : faces_) {
     const bool touches = face.offset_m - face.normal.dot(farthest) <= 2.0 * kFlat_m;

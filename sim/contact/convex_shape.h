@@ -34,14 +34,15 @@ class ConvexShape {
   [[nodiscard]] static ConvexShape box(const Eigen::Vector3d& half_lengths_m);
   [[nodiscard]] static ConvexShape cylinder(double radius_m, double half_length_m);
   [[nodiscard]] static ConvexShape sphere(double radius_m);
-  /// Of at least four points that do not lie in one plane; else std::invalid_argument.
+  /// Builds the convex hull of at least four points that do not lie in one plane; else throws
+  /// std::invalid_argument.
   [[nodiscard]] static ConvexShape hull(std::span<const Eigen::Vector3d> points);
 
   /// The shape's farthest point along `direction` (any length but 0).
   [[nodiscard]] Eigen::Vector3d support(const Eigen::Vector3d& direction) const;
 
-  /// The same of the shape less `rounding_m` all round: a sphere is its middle with a radius. What
-  /// works with corners (closest.h) meets no ball.
+  /// Returns the support point of the shape shrunk by `rounding_m` on all sides: a sphere becomes
+  /// its middle. Algorithms for corners (closest.h) use it, so that they see no ball.
   [[nodiscard]] Eigen::Vector3d core_support(const Eigen::Vector3d& direction) const;
   [[nodiscard]] double rounding_m() const { return kind_ == Kind::sphere ? size_.x() : 0.0; }
 
@@ -61,18 +62,18 @@ class ConvexShape {
   [[nodiscard]] const Eigen::Vector3d& middle_m() const { return middle_; }
   [[nodiscard]] const Eigen::Vector3d& half_lengths_m() const { return half_; }
   [[nodiscard]] double least_width_m() const { return 2.0 * half_.minCoeff(); }
-  /// Of the sphere about S's origin that holds it.
+  /// Radius of the sphere about S's origin that contains the shape.
   [[nodiscard]] double reach_m() const { return reach_; }
 
   /// Corners and points of the surface by which the shape meets the terrain: a box's corners, both
   /// rims of a cylinder, a hull's points.
   [[nodiscard]] std::vector<Eigen::Vector3d> outline() const;
-  /// The same, and of a box points all over its faces, so far apart at most.
+  /// Returns outline(); for a box, also points all over its faces, at most `spacing_m` apart.
   [[nodiscard]] std::vector<Eigen::Vector3d> surface(double spacing_m) const;
 
-  /// Area, m2, in which a plane cuts that has taken `depth_m` off the shape's side which looks
-  /// against the unit normal. Of a box exact for faces and edges, twice what a corner has; of all
-  /// others that of the sphere as wide as the box about them.
+  /// Returns the area, m2, of the section by a plane that has cut off `depth_m` of the shape on the
+  /// side opposite to the unit normal. Exact for faces and edges of a box, twice the exact area for
+  /// its corners; for all other shapes that of a sphere as wide as the box about them.
   [[nodiscard]] double cut_m2(const Eigen::Vector3d& normal, double depth_m) const;
 
  private:

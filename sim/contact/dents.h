@@ -15,7 +15,7 @@ namespace rigwire::sim {
 
 struct Dent {
   std::uint32_t body = 0;
-  Eigen::AlignedBox3d patch_L;  ///< Of the surface as it was, in the axes of the body's link.
+  Eigen::AlignedBox3d patch_L;  ///< Patch of the undented surface, in the axes of the body's link.
   Eigen::Vector3d normal_L = Eigen::Vector3d::UnitX();  ///< Into the body.
   double depth_m = 0.0;
 };
@@ -26,10 +26,10 @@ class Dents {
 
   Dents() { dents_.reserve(kMost); }
 
-  /// Of the body at a point of its surface, for what pushes along the unit normal.
+  /// Returns the depth of the dent at a point of the body's surface, seen along the unit normal.
   [[nodiscard]] double depth_m(std::uint32_t body, const Eigen::Vector3d& p_L,
                                const Eigen::Vector3d& normal_L) const;
-  /// Allocates nothing. False: there is no room for one more dent.
+  /// Adds a dent; allocates nothing. Returns false if there is no room for it.
   bool bend(const Dent& dent);
 
   [[nodiscard]] std::span<const Dent> dents() const { return dents_; }

@@ -15,11 +15,12 @@ using Vector = Eigen::Vector3d;
 constexpr double kLongestStep_s = 1e-3;
 constexpr double kCalm_mps = 5e-3;
 constexpr double kCalm_s = 0.5;
-constexpr double kWaking_mps = 0.02;  // What moves faster than this wakes what it hits.
+constexpr double kWaking_mps = 0.02;  // A body faster than this wakes what it hits.
 constexpr double kDampingRatio = 0.3;
 constexpr int kMostPasses = 40;
 constexpr double kMoved_m = 0.01;
-constexpr double kPointsAlong = 6.0;  // Of a crate's longest edge, that meet the terrain.
+// Number of intervals between terrain contact points along a crate's longest edge.
+constexpr double kPointsAlong = 6.0;
 
 std::vector<ContactBody> contact_bodies(std::span<const LooseBody> bodies) {
   std::vector<ContactBody> made;
@@ -260,6 +261,8 @@ void LooseBodies::assemble(double h, std::uint32_t island, std::size_t size) {
   assemble(h, island, size, acting);
 }
 
+/// Linearly implicit step: (M + h sum of J^T gain J) v = impulses, with gyroscopic torque, gravity
+/// and the contact forces at the step's initial velocities on the right.
 template <typename Law>
 void LooseBodies::assemble(double h, std::uint32_t island, std::size_t size, Law&& law_of) {
   std::fill_n(matrix_.begin(), size * size, 0.0);
@@ -358,9 +361,9 @@ void LooseBodies::solve(double h, std::uint32_t island) {
   find_mobilities(h, island, size);
 }
 
-/// Of those of the island that machines push: blocks of the inverse of its system over a step of
-/// the machine, with k H + c in place of k h + c. Soil that yields counts as a spring: it gives way
-/// to the force that it bears, and not to less.
+/// Finds the mobility of each body of the island that machines push: blocks of the inverse of the
+/// island's system over a step of the machine, with k H + c in place of k h + c. Soil that yields
+/// counts as a spring: it gives way to the force that it bears, and not to less.
 void LooseBodies::find_mobilities(double h, std::uint32_t island, std::size_t size) {
   const auto pushed = [this](std::uint32_t i) { return !states_[i].impulse_W.isZero(); };
   if (std::ranges::none_of(members_, pushed)) {

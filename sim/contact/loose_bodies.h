@@ -40,9 +40,9 @@ struct LooseBody {
   double mass_kg = 100.0;
   Eigen::Vector3d inertia_kgm2 = Eigen::Vector3d::Constant(10.0);
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
-  double friction = 0.6;            ///< Of its surface; of two that rub the smaller counts.
+  double friction = 0.6;  ///< Friction of its surface; the smaller of two surfaces counts.
   double rolling_resistance = 0.0;  ///< Coefficient.
-  double stiffness_npm = 5e6;       ///< Of one point of contact.
+  double stiffness_npm = 5e6;       ///< Stiffness of one point of contact.
 };
 
 class LooseBodies final : public Movers {
@@ -58,18 +58,18 @@ class LooseBodies final : public Movers {
   void push(std::size_t mover, const Eigen::Vector3d& p_W,
             const Eigen::Vector3d& impulse_W) override;
   double advance(double h) override;
-  /// Before the start: all come to rest where they may, for `longest_s` at most. Where they are
-  /// then is where they began.
+  /// Before the start: lets all bodies come to rest, for `longest_s` at most. Their poses then are
+  /// their initial poses.
   void settle(double longest_s);
-  /// What rests there, by its bounds from above, is looked at anew.
+  /// Checks again the bodies that rest within these bounds, seen from above.
   void ground_changed(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m);
 
   [[nodiscard]] std::size_t size() const { return bodies_.size(); }
   /// Motion of each body's frame; accelerations are 0.
   [[nodiscard]] LinkMotion motion(std::size_t body) const;
-  /// Whether it is not where it began, by more than a centimetre.
+  /// Returns whether it is more than a centimetre from its initial position.
   [[nodiscard]] bool moved(std::size_t body) const;
-  /// Of all: kinetic and potential, from z = 0.
+  /// Returns the kinetic and potential energy of all bodies, measured from z = 0.
   [[nodiscard]] double energy_j() const;
   [[nodiscard]] const ContactReport& report() const { return contact_.report(); }
 
@@ -110,11 +110,11 @@ class LooseBodies final : public Movers {
   /// Velocities along all six directions of each body: at the start of the step, and as found.
   std::vector<std::array<double, 6>> from_;
   std::vector<std::array<double, 6>> found_;
-  std::vector<std::uint32_t> members_;  ///< Of the island that is solved.
+  std::vector<std::uint32_t> members_;  ///< Bodies of the island that is being solved.
   std::vector<double> matrix_;          ///< Row by row, its lower half.
   std::vector<double> right_;
   std::size_t awake_ = 0;
-  double span_s_ = 0.0;  ///< Of advance().
+  double span_s_ = 0.0;  ///< Length of the current advance().
 };
 
 }  // namespace rigwire::sim

@@ -33,9 +33,10 @@ struct Mover {
   /// Velocity and rate (W) by an impulse at the centre of mass and a turning one (W), over a step.
   Eigen::Matrix<double, 6, 6> mobility = Eigen::Matrix<double, 6, 6>::Zero();
   double friction = 0.6;
-  double stiffness_npm = 0.0;  ///< Of itself, in series with what hits it; 0: rigid.
-  bool rests = false;          ///< Does not move until it is pushed.
-  double way_m = 0.0;          ///< No point of it has gone farther since the start.
+  /// Its own stiffness, in series with the stiffness of what hits it; 0: rigid.
+  double stiffness_npm = 0.0;
+  bool rests = false;  ///< Does not move until it is pushed.
+  double way_m = 0.0;  ///< Upper bound of the way of each of its points since the start.
 
   [[nodiscard]] Eigen::Vector3d velocity_W(const Eigen::Vector3d& p_W) const {
     return v_W + w_W.cross(p_W - X_WM.translation());

@@ -63,7 +63,8 @@ void PairMemory::Step::start(std::span<ContactPoint> points, double stiffness_np
     pair_->rest_m_ = met_before ? std::min(pair_->rest_m_, overlap) : overlap;
   }
   double spring = 0.0;
-  double unlimited = 0.0;  // As if nothing gave way: what softer springs, farther from it, hold.
+  // Spring energy without yielding; softer springs, farther from it, may hold it.
+  double unlimited = 0.0;
   for (ContactPoint& point : points) {
     point.rest_m = pair_->rest_m_;
     point.gap_m += pair_->rest_m_ + point.dent_m + point.sunk_m;

@@ -24,26 +24,26 @@ namespace rigwire::sim {
 
 class PairMemory {
  public:
-  /// A point of the step before.
+  /// A contact point of the last step.
   struct Place {
     Eigen::Vector3d p_L = Eigen::Vector3d::Zero();  ///< On the body's link.
     ContactFriction friction;
     double dent_m = 0.0;
     double sunk_m = 0.0;
-    Eigen::Vector3d sunk_at_W = Eigen::Vector3d::Zero();  ///< Of the terrain, where it is.
+    Eigen::Vector3d sunk_at_W = Eigen::Vector3d::Zero();  ///< Where the terrain is pressed in.
   };
 
-  /// In the step before; from Step::start() on, in this one.
+  /// Returns whether there was contact in the last step; after Step::start(), in this one.
   [[nodiscard]] bool met() const { return met_; }
-  /// Overlap that pushes nobody.
+  /// Overlap without force.
   [[nodiscard]] double rest_m() const { return rest_m_; }
-  /// In the springs at the end of the step before, and the most that one of them was pressed then.
+  /// Returns the energy in the springs at the end of the last step.
   [[nodiscard]] double spring_j() const { return spring_j_; }
   [[nodiscard]] double pressed_m() const { return pressed_m_; }
   /// Whether a point at p_L is within `reach_m` of one of the step before.
   [[nodiscard]] bool knows(const Eigen::Vector3d& p_L, double reach_m) const;
 
-  /// No longer met.
+  /// Ends the contact.
   void part();
 
   /// The points of one step, while they are found.
@@ -51,14 +51,14 @@ class PairMemory {
    public:
     explicit Step(PairMemory& pair) : pair_(&pair) {}
 
-    /// Takes the next point, at p_L of its link, whose normal is set: with the friction of the
-    /// nearest place of before, and directions across. That place, for what else it has; null: the
+    /// Takes the next point, at p_L of its link, whose normal is set. Gives it the friction of the
+    /// nearest place of the last step, and the directions across. Returns that place; null: the
     /// point is new. Precondition: kManifoldPoints at most.
     const Place* remember(const Eigen::Vector3d& p_L, ContactPoint& point);
-    /// Of the point taken last.
+    /// Returns the place of the point taken last.
     [[nodiscard]] Place& latest() { return now_[taken_ - 1]; }
-    /// All are taken, as `points`: what they are in beyond their dents counts from the pair's rest,
-    /// and their springs, `stiffness_npm` each, are softened so far that they add no energy.
+    /// Ends the collection: all are taken, as `points`. Overlap beyond the dents counts from the
+    /// pair's rest_m(). Softens the springs, `stiffness_npm` each, so far that they add no energy.
     void start(std::span<ContactPoint> points, double stiffness_npm);
 
    private:
@@ -69,10 +69,10 @@ class PairMemory {
   };
 
   void settling() { spring_j_ = pressed_m_ = 0.0; }
-  /// Of point i, in the order of remember(): an overlap of `depth_m` at the step's end. What its
-  /// spring holds, J.
+  /// Stores point i, in the order of remember(), with its overlap `depth_m` at the end of the step.
+  /// Returns the energy in its spring, J.
   double settled(std::size_t i, const ContactPoint& point, double depth_m);
-  /// Of the step before until settled().
+  /// Returns point i; its state is that of the last step until settled().
   [[nodiscard]] const Place& place(std::size_t i) const { return places_[i]; }
 
  private:

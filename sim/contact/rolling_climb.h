@@ -20,17 +20,19 @@
 namespace rigwire::sim {
 
 struct RollingClimb {
-  /// Steeper than this round from its lowest line nothing is rolled over, cosine.
+  /// Cosine of the steepest angle from the drum's lowest line at which it rolls over anything.
   static constexpr double kSteepest = 0.3;
-  /// Up to this, 30 degrees, terrain is a slope and no edge, cosine.
+  /// Cosine of 30 degrees: terrain up to this counts as a slope, not an edge.
   static constexpr double kSlope = 0.87;
 
-  double radius_m = 0.0;    ///< 0: it rolls over all that is lower than its middle.
-  double grip = 0.0;        ///< Of a friction: what its surface takes of it.
-  double helped_rad = 0.0;  ///< Atan of what the rest of the machine pushes over the load carried.
-  double run_m = 0.0;       ///< v^2 / g.
+  double radius_m = 0.0;  ///< 0: it rolls over everything lower than its middle.
+  double grip = 0.0;      ///< Factor of the drum's surface on the ground's friction.
+  /// Angle atan(mu_o), with mu_o the push of the rest of the machine over the load.
+  double helped_rad = 0.0;
+  double run_m = 0.0;  ///< v^2 / g.
 
-  /// Height above its lowest line of what it climbs at the most, of something of that friction.
+  /// Returns the greatest height above its lowest line that it climbs, on something of that
+  /// friction.
   [[nodiscard]] double height_m(double friction) const {
     const double steepest = radius_m * (1.0 - kSteepest);
     const double angle = std::atan(grip * friction) + helped_rad;

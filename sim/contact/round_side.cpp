@@ -12,7 +12,7 @@ using Vector = Eigen::Vector3d;
 
 constexpr int kCircles = 3;
 constexpr int kSteps = 16;           // Along the scanned part of a circle.
-constexpr double kReach_rad = 1.75;  // To either side of its lowest point: a wall's, too.
+constexpr double kReach_rad = 1.75;  // To either side of the lowest point: includes walls.
 constexpr double kStep_rad = 2.0 * kReach_rad / kSteps;
 constexpr double kGolden = std::numbers::phi - 1.0;
 constexpr int kEvenRounds = 8;  // To a hundredth of a radian,
@@ -23,7 +23,7 @@ constexpr double kEven = 0.998;  // Cosine between normals of one face.
 struct Circle {
   const Ground* ground;
   Vector middle_W;
-  Vector down_W;  ///< Of the circle's plane, its radius long.
+  Vector down_W;  ///< Down in the circle's plane, as long as the radius.
   Vector ahead_W;
 
   [[nodiscard]] Vector at(double angle_rad) const {

@@ -21,7 +21,7 @@ inline constexpr std::size_t kMostSidePlaces = 24;
 
 struct SidePlace {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< Of the terrain, unit.
+  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< Unit normal of the terrain.
   double gap_m = 0.0;                                   ///< Negative: inside.
   GroundPoint under;
 };

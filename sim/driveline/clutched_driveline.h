@@ -13,13 +13,13 @@
 
 namespace rigwire::sim {
 
-/// Since the start. Power in = power out + loss holds for each step to rounding, with rates meant
-/// halfway between its ends: engine = wheels + clutch + drag + locks + what the inertias
-/// store.
+/// Energies since the start. Power in = power out + loss holds for each step to rounding, with
+/// rates halfway between its ends: engine = wheels + clutch + drag + locks + energy stored by the
+/// inertias.
 struct DrivelineEnergy {
   double engine_j = 0.0;  ///< Work of the engine's torque.
   double clutch_heat_j = 0.0;
-  double drag_heat_j = 0.0;  ///< Of the gearbox's output.
+  double drag_heat_j = 0.0;  ///< Heat of the drag on the gearbox's output.
   double lock_heat_j = 0.0;  ///< Lost where locks engaged, by wheels, shafts and engine.
 };
 
@@ -44,10 +44,10 @@ class ClutchedDriveline : public Driveline {
   [[nodiscard]] const WheelVector& shares() const { return shares_; }
 
  protected:
-  /// What the gearbox or variator does in a step.
+  /// State of the gearbox or variator in a step.
   struct Transmission {
     double ratio = 0.0;           ///< Input to output; 0 in neutral.
-    double capacity_share = 1.0;  ///< Of the clutch.
+    double capacity_share = 1.0;  ///< Share of the clutch's torque capacity.
     EngineDemand demand;
     int gear = 0;
     bool crawler_group = false;

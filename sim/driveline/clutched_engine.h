@@ -65,16 +65,16 @@ class ClutchedEngine {
   ClutchParameters clutch_;
   double speed_radps_;
 
-  // Of the step in hand.
+  // State of the current step.
   bool coupled_ = false;
   Mode mode_ = Mode::slip;
-  double direction_ = 1.0;  ///< Of slip: engine faster is positive.
+  double direction_ = 1.0;  ///< Sign of the slip; positive: the engine is faster.
   double capacity_share_ = 0.0;
-  double input_radps_ = 0.0;  ///< Before the step.
+  double input_radps_ = 0.0;  ///< Speed of the clutch's input before the step.
   EngineTorque torque_;
   bool limited_ = false;
   int calls_ = 0;
-  double next_radps_ = 0.0;  ///< Engine, when slipping.
+  double next_radps_ = 0.0;  ///< Engine speed while slipping.
   ShaftEquations equations_;
 
   double torque_nm_ = 0.0;

@@ -24,29 +24,30 @@ using WheelVector = Eigen::Vector4d;
 using WheelMatrix = Eigen::Matrix4d;
 
 struct SpinEquations {
-  WheelMatrix inertia = WheelMatrix::Zero();  ///< Reflected: engine, shafts; positive semidefinite.
+  /// Reflected to the wheels: engine and shafts; positive semidefinite.
+  WheelMatrix inertia = WheelMatrix::Zero();
   WheelVector torque_nm = WheelVector::Zero();
   WheelMatrix damping =
-      WheelMatrix::Zero();  ///< Of the engine's and governor's slope, of couplers.
+      WheelMatrix::Zero();  ///< Slope of the torques of engine, governor and couplers.
   /// Rates are basis.leftCols(coordinates) times that many numbers. The identity when nothing is
   /// locked.
   WheelMatrix basis = WheelMatrix::Identity();
   int coordinates = 4;
 };
 
-/// What a controller of the travel speed knows of a drive line. Rates and torques of the wheels are
-/// those of its driven wheels together, forward positive.
+/// State of a drive line for a travel speed controller. Rates and torques of the wheels are those
+/// of all driven wheels together, forward positive.
 struct DriveState {
   int gear = 0;
   bool shifting = false;
-  double rate_radps = 0.0;    ///< Mean of the wheels.
-  double ratio = 0.0;         ///< Engine to wheels; reverse negative, 0 in neutral.
-  double torque_nm = 0.0;     ///< On the wheels, through the clutch.
-  double inertia_kgm2 = 0.0;  ///< At the wheels, of what turns with them: the engine, too, while
-                              ///< the clutch sticks.
+  double rate_radps = 0.0;  ///< Mean of the wheels.
+  double ratio = 0.0;       ///< Engine to wheels; reverse negative, 0 in neutral.
+  double torque_nm = 0.0;   ///< On the wheels, through the clutch.
+  /// Inertia at the wheels of what turns with them; includes the engine while the clutch sticks.
+  double inertia_kgm2 = 0.0;
   double engine_radps = 0.0;
-  double maximum_radps = 0.0;  ///< Up to which the engine has its full torque.
-  double least_nm = 0.0;       ///< Of the engine at its speed: without fuel ...
+  double maximum_radps = 0.0;  ///< Speed up to which the engine has its full torque.
+  double least_nm = 0.0;       ///< Engine torque at its speed: without fuel ...
   double greatest_nm = 0.0;    ///< ... and at full load.
   double governor_nmsprad = 0.0;
 };

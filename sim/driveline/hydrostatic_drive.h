@@ -31,20 +31,21 @@
 namespace rigwire::sim {
 
 struct HydrostaticDriveParameters {
-  double motor_displacement_m3prad = 3.0e-4;  ///< Of each motor, per radian of its drum.
+  /// Displacement of each motor, per radian of its drum.
+  double motor_displacement_m3prad = 3.0e-4;
   double pump_displacement_m3prad = 1.40e-5;  ///< At full swash, per radian of the engine.
   double oil_volume_m3 = 1.0e-3;              ///< Under pressure.
-  double bulk_modulus_pa = 1.4e9;             ///< Of oil and hoses.
-  double leakage_m3pspa = 8.0e-13;            ///< Of pump and both motors.
-  double relief_pressure_pa = 38.0e6;         ///< Difference of the lines.
-  double charge_pressure_pa = 2.2e6;          ///< Of the low side.
+  double bulk_modulus_pa = 1.4e9;             ///< Bulk modulus of oil and hoses.
+  double leakage_m3pspa = 8.0e-13;            ///< Leakage of the pump and both motors.
+  double relief_pressure_pa = 38.0e6;         ///< Pressure difference between the lines.
+  double charge_pressure_pa = 2.2e6;          ///< Pressure of the low side.
   double motor_friction_nmsprad = 150.0;      ///< Viscous, of each motor at its drum.
-  double ramp_mps2 = 0.8;                     ///< Of the set point.
+  double ramp_mps2 = 0.8;                     ///< Rate limit of the travel set point.
   double swash_time_constant_s = 0.1;
   double speed_max_mps = 11.5 / 3.6;
   double engine_idle_radps = rpm(900);
   double engine_rated_radps = rpm(2200);
-  double engine_torque_nm = 265.0;   ///< Greatest.
+  double engine_torque_nm = 265.0;   ///< Maximum engine torque.
   double engine_drag_nm = 40.0;      ///< The engine's own friction, beside that torque.
   double engine_inertia_kgm2 = 0.6;  ///< For its data sheet.
   double engine_droop = 0.06;        ///< Share of speed lost at greatest torque.
@@ -69,8 +70,8 @@ struct HydrostaticCircuit {
 
 /// Set points of the drive; every member must be a finite number.
 struct HydrostaticDemand {
-  double travel_speed_mps = 0.0;    ///< Of the drums' surface, mean of both.
-  double engine_speed_radps = 0.0;  ///< Of the governor; clamped to idle .. rated.
+  double travel_speed_mps = 0.0;    ///< Surface speed of the drums, mean of both.
+  double engine_speed_radps = 0.0;  ///< Set point of the governor; clamped to idle .. rated.
   bool flow_divider = false;
   bool ignition = true;  ///< Off: the engine comes to rest.
 };
@@ -137,7 +138,7 @@ class HydrostaticDrive {
   double pump_flow_m3ps_ = 0.0;
   double limit_pa_;
   bool divided_;
-  std::array<double, 2> pressure_pa_{};  ///< Of each circuit; equal while there is one.
+  std::array<double, 2> pressure_pa_{};  ///< Pressure of each circuit; equal while there is one.
   std::array<HydrostaticCircuit, 2> circuits_;
 };
 

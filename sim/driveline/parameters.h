@@ -134,7 +134,7 @@ struct VariatorParameters {
   double top_ratio = 0.8;
   double shift_from_radps = rpm(2000);
   double shift_to_radps = rpm(3200);
-  double lag_s = 0.25;  ///< Of the sheaves, first order.
+  double lag_s = 0.25;  ///< First-order lag of the sheaves.
   /// Range groups: gear 1, 2 ...; their ratio between variator and axle.
   std::vector<double> ranges = std::vector<double>(1, 1.0);
   double reverse_range = 1.0;

@@ -200,7 +200,7 @@ CutSoil DiggableTerrain::cut(const CuttingEdge& from, const CuttingEdge& to,
     return soil;
   }
   Eigen::Vector2d left = along.head<2>() / width_m;
-  double rise = along.z() / width_m;  // Of the edge towards its left.
+  double rise = along.z() / width_m;  // Rise of the edge towards its left.
   // Forward is to the right of `left`, turned round when the edge looks the other way.
   if (left.y() * forward_W.x() - left.x() * forward_W.y() < 0.0) {
     left = -left;

@@ -79,27 +79,27 @@ class DiggableTerrain {
   /// column ends at the edge's height.
   CutSoil cut(const CuttingEdge& from, const CuttingEdge& to, const Eigen::Vector3d& forward_W);
 
-  /// Lays soil down about (x, y) as a cone of that radius, at least on the nearest column; beyond
+  /// Deposits soil about (x, y) as a cone of that radius, at least on the nearest column; beyond
   /// the terrain's edge on the nearest column inside.
   void pour(double x_m, double y_m, double radius_m, std::int64_t units);
 
-  /// A bounded round of slides.
+  /// Runs a limited number of slides.
   void settle();
   [[nodiscard]] bool settled() const { return queue_length_ == 0; }
 
-  /// Of the surface.
+  /// Returns the height of the surface.
   [[nodiscard]] double height_m(double x_m, double y_m) const { return ground_.height_m(x_m, y_m); }
-  /// Of what cannot be dug: rock under the soil, or hard ground.
+  /// Returns the height of what cannot be dug: rock under the soil, or hard ground.
   [[nodiscard]] double floor_height_m(double x_m, double y_m) const {
     return floor_.height_m(x_m, y_m);
   }
-  /// Of the nearest node.
+  /// Returns the soil at the nearest node.
   [[nodiscard]] const SoilParameters& soil_at(double x_m, double y_m) const;
-  /// Of all soils that lie here.
+  /// Returns the greatest density among all soils of the terrain.
   [[nodiscard]] double density_greatest_kgpm3() const { return density_greatest_kgpm3_; }
 
-  /// What the terrain holds more than at the start, in units: minus all that was taken, plus all
-  /// that was poured. Summed anew over all columns.
+  /// Returns the soil gained since the start, in units: all that was poured minus all that was
+  /// taken. Sums all columns.
   [[nodiscard]] std::int64_t gained_units() const;
 
   /// The nodes changed since the last call.
@@ -135,8 +135,8 @@ class DiggableTerrain {
   std::vector<std::int64_t> surface_;  ///< Height of each column, in units.
   std::vector<std::int64_t> initial_;
   std::vector<std::int64_t> loose_;
-  std::vector<std::int64_t> rock_;   ///< Nothing is dug below.
-  HeightField floor_;                ///< The same in metres.
+  std::vector<std::int64_t> rock_;   ///< Lower limit of digging, in units.
+  HeightField floor_;                ///< rock_ in metres.
   std::vector<std::uint8_t> soil_;   ///< Index of each column's soil.
   std::vector<SlopeLimits> repose_;  ///< By soil.
   SlopeLimits bank_;

@@ -39,7 +39,7 @@ struct DiscCut {
 /// How to leave several overlaps at once.
 struct Escape {
   Eigen::Vector3d way_W = Eigen::Vector3d::Zero();
-  std::array<double, 5> shares{};  ///< Of each overlap's normal in the way, 0 or more.
+  std::array<double, 5> shares{};  ///< Share of each overlap's normal in the way, 0 or more.
 };
 
 /// The shortest displacement with normal . way >= depth for each overlap (at most two of them

@@ -38,7 +38,7 @@ struct EarthmovingFactors {
   double cohesion = 0.0;           ///< N_c.
   double surcharge = 0.0;          ///< N_q.
   double adhesion = 0.0;           ///< N_a, never negative.
-  double failure_angle_rad = 0.0;  ///< beta, of the failure plane against the horizontal.
+  double failure_angle_rad = 0.0;  ///< beta, angle of the failure plane against the horizontal.
 };
 
 /// Ranges within which the equation is evaluated; angles beyond are taken at the nearest end, so
@@ -46,8 +46,8 @@ struct EarthmovingFactors {
 /// as at the least; one leaning so far forward that rho + delta + phi would pass its end carries a
 /// dead wedge of soil and cuts with that wedge's face.
 struct EarthmovingRange {
-  static constexpr double kLeastFriction_rad = 0.0175;     ///< Of phi, 1 degree.
-  static constexpr double kGreatestFriction_rad = 0.9599;  ///< Of phi, 55 degrees.
+  static constexpr double kLeastFriction_rad = 0.0175;     ///< Lower limit of phi, 1 degree.
+  static constexpr double kGreatestFriction_rad = 0.9599;  ///< Upper limit of phi, 55 degrees.
   static constexpr double kLeastRake_rad = 0.0873;         ///< 5 degrees.
   static constexpr double kGreatestSum_rad = 2.7925;       ///< rho + delta + phi, 160 degrees.
 };

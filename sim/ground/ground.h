@@ -36,12 +36,12 @@ struct Obstacle {
   Eigen::Isometry3d X_WO = Eigen::Isometry3d::Identity();
   Eigen::Vector3d half_lengths_m = Eigen::Vector3d::Constant(0.5);
   double friction = 0.7;
-  std::shared_ptr<const ConvexShape> hull;  ///< Of that shape alone.
-  /// The moment about its foot that it bears before it breaks or is uprooted; infinite: any.
+  std::shared_ptr<const ConvexShape> hull;  ///< Used by the shape `hull` only.
+  /// Moment about its foot at which it breaks or is uprooted; infinite: never.
   double strength_nm = std::numeric_limits<double>::infinity();
-  double tree_height_m = 0.0;  ///< Of a trunk's tree: how it falls; 0: it does not.
-  double stiffness_npm = 0.0;  ///< Of itself, where a machine hits it; 0: rigid.
-  std::string name;            ///< For the truth: "trunk 12", "haul_truck".
+  double tree_height_m = 0.0;  ///< Height of a trunk's tree, for its fall; 0: it does not fall.
+  double stiffness_npm = 0.0;  ///< Stiffness where a machine hits it; 0: rigid.
+  std::string name;            ///< Name in the truth: "trunk 12", "haul_truck".
 
   /// The lower end of its own z axis.
   [[nodiscard]] Eigen::Vector3d foot_W() const {
@@ -49,8 +49,8 @@ struct Obstacle {
   }
 };
 
-/// Which soil lies where: index into the list of soils, one byte per cell of the terrain, row by
-/// row; empty = soil 0 everywhere.
+/// Soils of the terrain: a list, and an index into it per cell, one byte each, row by row; empty =
+/// soil 0 everywhere.
 struct SoilMap {
   std::vector<SoilParameters> soils{SoilParameters{}};
   std::vector<std::uint8_t> cells;
@@ -230,18 +230,18 @@ class Ground {
 
   HeightField field_;
   SoilMap soils_;
-  /// Where an obstacle lies that is not where its bins are.
+  /// Bounds of an obstacle that lies outside its bins.
   struct Lying {
     std::size_t obstacle = 0;
     Eigen::Vector2d lower_m = Eigen::Vector2d::Zero();
     Eigen::Vector2d upper_m = Eigen::Vector2d::Zero();
   };
 
-  mutable std::vector<Obstacle> obstacles_;  ///< lay(), as the two below.
+  mutable std::vector<Obstacle> obstacles_;  ///< Changed by lay(), like the two members below.
   mutable std::vector<double> tops_m_;       ///< Their highest points.
   mutable std::array<Lying, kMostLying> lying_;
   mutable std::size_t lying_count_ = 0;
-  std::vector<ConvexShape> shapes_;  ///< Of the obstacles.
+  std::vector<ConvexShape> shapes_;  ///< Shapes of the obstacles.
   // A grid over the obstacles, so that a look-up costs the same with one and with thousands.
   double bin_m_ = 4.0;
   Eigen::Vector2d bin_origin_m_ = Eigen::Vector2d::Zero();

@@ -88,6 +88,9 @@ struct Depth {
   Vector normal;
 };
 
+/// Returns the depth of p (obstacle's frame) below the face with the least depth: min over the
+/// faces of offset - normal . p; the sphere and the cylinder's side by the distance from centre or
+/// axis.
 Depth depth_inside(const Obstacle& obstacle, const Vector& p) {
   const Vector& half = obstacle.half_lengths_m;
   const auto axis_depth = [&](Eigen::Index i) {
@@ -133,7 +136,8 @@ bool clip(double p, double d, double half, double& t_in, double& t_out) {
   return t_in <= t_out;
 }
 
-/// The same to the circle of that radius about the z axis (flat) or the origin's sphere.
+/// Shortens the span [t_in, t_out] of the line p + t d to the circle of that radius about the z
+/// axis (d flat) or to the sphere about the origin.
 bool clip_round(const Vector& p, const Vector& d, double radius, double& t_in, double& t_out) {
   const double a = d.squaredNorm();
   if (a == 0.0) {

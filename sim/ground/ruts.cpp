@@ -15,12 +15,12 @@ bool reachable(const Eigen::Vector2d& p_W) {
   return p_W.cwiseAbs().maxCoeff() < kFarthest_m;  // false for not-a-number, too
 }
 
-/// Of the cell that holds the coordinate.
+/// Returns the index of the cell that contains the coordinate.
 std::int32_t cell_of(double coordinate_m) {
   return static_cast<std::int32_t>(std::floor(coordinate_m / Ruts::kCell_m));
 }
 
-/// Of a cell within the depths of its page, row by row; a page has 16 by 16 cells.
+/// Returns the index of a cell in its page, row by row; a page has 16 by 16 cells.
 std::size_t cell_within_page(std::int32_t column, std::int32_t row) {
   return static_cast<std::size_t>(row & 15) * 16 + static_cast<std::size_t>(column & 15);
 }

@@ -47,7 +47,7 @@ class Ruts {
   struct Page {
     std::int32_t column = 0;
     std::int32_t row = 0;
-    std::uint32_t next = kNone;  ///< Of the same bucket.
+    std::uint32_t next = kNone;  ///< Next page of the same bucket.
     std::array<float, kSide * kSide> depth_m{};
   };
 

@@ -33,10 +33,10 @@ struct SoilParameters {
   double shear_modulus_m = 0.01;          ///< K of Janosi and Hanamoto.
   double reload_modulus = 0.0;            ///< k_0 of Wong's reloading, Pa / m.
   double reload_growth = 5.0e8;           ///< A_u of Wong's reloading, Pa / m^2.
-  double density_kgpm3 = 1600.0;          ///< As it lies; for digging.
-  double repose_rad = 0.6458;             ///< Steepest slope at which it lies, 37 degrees.
-  double adhesion_pa = 0.0;               ///< To steel; for digging.
-  double tool_friction_rad = 0.35;        ///< Against steel; for digging.
+  double density_kgpm3 = 1600.0;          ///< Density in place; for digging.
+  double repose_rad = 0.6458;             ///< Angle of repose: steepest stable slope, 37 degrees.
+  double adhesion_pa = 0.0;               ///< Adhesion to steel; for digging.
+  double tool_friction_rad = 0.35;        ///< Friction angle against steel; for digging.
   double reflectance = 0.0;  ///< Diffuse, at 905 nm; 0: that of the terrain's material.
 
   friend bool operator==(const SoilParameters&, const SoilParameters&) = default;
@@ -85,16 +85,16 @@ class SinkageCurve {
     double sinkage_m = 0.0;
     double slope_mpn = 0.0;  ///< d sinkage / d load.
   };
-  /// For load >= 0.
+  /// Returns the point at load >= 0.
   [[nodiscard]] Point at(double load_n) const;
 
  private:
   double load_at_1m_n_ = 1.0;
-  double inverse_exponent_ = 1.0;  ///< Of the sinkage over the load: 1 / (n + 1/2).
+  double inverse_exponent_ = 1.0;  ///< Exponent of the sinkage over the load: 1 / (n + 1/2).
   double flat_m_ = 0.0;
   double pressed_m_ = 0.0;
-  double pressed_load_n_ = 0.0;  ///< At which the virgin curve reaches pressed_m.
-  double reload_npm_ = 0.0;      ///< Steepness of the reloading line.
+  double pressed_load_n_ = 0.0;  ///< Load at which the virgin curve reaches pressed_m.
+  double reload_npm_ = 0.0;      ///< Stiffness of the reloading line.
 };
 
 /// Greatest shear force under a contact: min(A c + W tan phi, friction W) on soft soil, friction W

@@ -51,22 +51,23 @@ namespace rigwire::sim {
 struct TyreParameters {
   double unloaded_radius_m = 0.590;
   double width_m = 0.395;
-  double rim_radius_m = 0.254;           ///< Where the tyre bottoms: the rim's spring takes over.
-  double carcass_stiffness_npm = 3.4e4;  ///< k at no pressure.
+  double rim_radius_m = 0.254;  ///< Radius at which the tyre bottoms: the rim's spring takes over.
+  double carcass_stiffness_npm = 3.4e4;     ///< k at no pressure.
   double stiffness_per_pressure_m = 1.555;  ///< dk/dp, N/m per Pa.
   double vertical_damping_nspm = 3.0e3;
-  double bottoming_factor = 5.0;    ///< Stiffness on the rim, times k(p).
-  double reference_load_n = 2.2e4;  ///< At which the slip stiffnesses hold.
+  double bottoming_factor = 5.0;    ///< Stiffness on the rim, as a multiple of k(p).
+  double reference_load_n = 2.2e4;  ///< Load at which the slip stiffnesses hold.
   double reference_pressure_pa = 4.5e5;
   double slip_stiffness_n = 2.0e5;            ///< dF/dslip at slip 0, reference load.
   double cornering_stiffness_nprad = 1.5e5;   ///< dF/dslip angle, reference load.
-  double cornering_peak_load_n = 5.5e4;       ///< At which the cornering stiffness is greatest.
-  double longitudinal_stiffness_npm = 6.0e5;  ///< Of the bristles, along.
-  double lateral_stiffness_npm = 3.5e5;       ///< Of the bristles, across.
-  double damping_ratio = 0.7;                 ///< Of the bristles with the mass at the wheel.
-  double friction_factor = 1.0;               ///< On the ground's coefficient.
-  double rolling_resistance = 0.012;          ///< Coefficient at reference pressure, hard ground.
-  double rolling_pressure_share = 0.5;        ///< Of that coefficient, goes with 1 / pressure.
+  double cornering_peak_load_n = 5.5e4;       ///< Load of the greatest cornering stiffness.
+  double longitudinal_stiffness_npm = 6.0e5;  ///< Longitudinal stiffness of the bristles.
+  double lateral_stiffness_npm = 3.5e5;       ///< Lateral stiffness of the bristles.
+  double damping_ratio = 0.7;         ///< Damping ratio of the bristles with the mass at the wheel.
+  double friction_factor = 1.0;       ///< Factor on the ground's coefficient.
+  double rolling_resistance = 0.012;  ///< Coefficient at reference pressure, hard ground.
+  /// Share of that coefficient that is proportional to 1 / pressure.
+  double rolling_pressure_share = 0.5;
 
   friend bool operator==(const TyreParameters&, const TyreParameters&) = default;
 };
@@ -93,14 +94,15 @@ struct TyreLaws : ShearLimit {
   double rolling_arm_m = 0.0;    ///< Limit of the rolling moment per normal force.
   double ploughing_n = 0.0;      ///< Limit of `ploughing`; 0: there is none.
   double loaded_radius_m = 0.0;  ///< From the wheel's centre to the contact, R - d.
-  /// Way per radian of the wheel that rolls freely, R - d / 3; also the lever of the longitudinal
-  /// force about the axle, so that what the shaft gives is what road and slip get.
+  /// Way per radian of a freely rolling wheel, R - d / 3; also the lever of the longitudinal force
+  /// about the axle, so that the shaft's work equals that of road and slip.
   double rolling_radius_m = 0.0;
-  double trail_m = 0.0;  ///< Of the lateral force behind the wheel's centre while it rolls.
+  /// Distance of the lateral force behind the wheel's centre while it rolls.
+  double trail_m = 0.0;
   double sinkage_m = 0.0;
-  double rut_m = 0.0;              ///< How deep the soft part of the ground is pressed.
-  double pressed_m = 0.0;          ///< How deep it was before.
-  double rolling_speed_mps = 0.0;  ///< |V| that the bristles saw.
+  double rut_m = 0.0;              ///< Depth to which the soft part of the ground is pressed.
+  double pressed_m = 0.0;          ///< Depth to which it was pressed before.
+  double rolling_speed_mps = 0.0;  ///< Rolling speed |V| of the bristles.
   BristleParameters along;
   BristleParameters across;
   BristleParameters turning;
@@ -109,7 +111,7 @@ struct TyreLaws : ShearLimit {
   bool pushing_yields = false;  ///< The wheel moves: `ploughing` is the secant of its limit.
 };
 
-/// What the machine's solve found, for settle().
+/// Result of the machine's solve, for settle().
 struct TyreResult {
   double longitudinal_n = 0.0;
   double lateral_n = 0.0;
@@ -118,10 +120,10 @@ struct TyreResult {
   double longitudinal_slide_mps = 0.0;
   double lateral_slide_mps = 0.0;
   double wheel_rate_radps = 0.0;
-  double way_mps = 0.0;            ///< Of the wheel's centre along the ground, forward.
+  double way_mps = 0.0;            ///< Speed of the wheel's centre along the ground, forward.
   bool slipping = false;           ///< The tangential force was held at its limit.
-  bool rolling_limited = false;    ///< The rolling moment was.
-  bool ploughing_limited = false;  ///< The soil's resistance was.
+  bool rolling_limited = false;    ///< The rolling moment was held at its limit.
+  bool ploughing_limited = false;  ///< The soil's resistance was held at its limit.
 };
 
 /// The tyre's vertical spring, alone or with soft soil in a row.
@@ -154,17 +156,18 @@ class Tyre {
   void settle(double h, const TyreLaws& laws, const TyreResult& result);
 
   [[nodiscard]] double stiffness_npm(double pressure_pa) const;
-  /// At rest, for that overlap of undeformed tyre and untouched ground. A tyre of less pressure
-  /// than the ground bears flattens: it sinks as a plate with its pressure.
+  /// Returns the spring at rest, for that overlap of undeformed tyre and untouched ground. If its
+  /// pressure is below the ground's bearing capacity, the tyre flattens: it sinks as a plate with
+  /// its pressure.
   [[nodiscard]] TyreSpring spring(double overlap_m, const SoftSoils& soils,
                                   double pressure_pa) const;
-  /// The inverse: overlap at which it carries that load.
+  /// Returns the overlap at which it carries that load: the inverse of spring().
   [[nodiscard]] double overlap_m(double load_n, const SoftSoils& soils, double pressure_pa) const;
-  /// Load over mean ground pressure (inflation and carcass), at most chord times width.
+  /// Returns load over mean ground pressure (inflation and carcass), at most chord times width.
   [[nodiscard]] double contact_area_m2(double deflection_m) const;
-  /// Along the heading, in a rut that the wheel presses.
+  /// Returns the contact length along the heading, in a rut that the wheel presses.
   [[nodiscard]] double contact_length_m(double deflection_m, double sinkage_m) const;
-  /// Of inflation and carcass.
+  /// Returns the mean ground pressure of inflation and carcass.
   [[nodiscard]] double ground_pressure_pa(double pressure_pa) const;
   [[nodiscard]] const TyreParameters& parameters() const { return parameters_; }
   [[nodiscard]] double longitudinal_deflection_m() const { return along_.deflection(); }

@@ -10,7 +10,7 @@
 namespace rigwire::sim {
 namespace {
 
-/// Of angles that grids give in decimal or binary fractions of a degree.
+/// Tolerance of angles that grids give in decimal or binary fractions of a degree.
 constexpr double kAngleTolerance_deg = 1e-9;
 constexpr double kGreatestHeight_m = 200.0;
 constexpr std::size_t kMostLines = 65536;

@@ -27,7 +27,7 @@ namespace rigwire::sim {
 /// The first quantity that stopped being a finite number.
 struct NonFinite {
   const char* quantity = "";  ///< For example "joint acceleration".
-  const char* part = "";      ///< Of which part: "boom", "front left wheel".
+  const char* part = "";      ///< Part of the machine: "boom", "front left wheel".
   SimTime time{};             ///< Machine time of the step that failed.
 };
 
@@ -64,17 +64,18 @@ class VehiclePort {
 class PowerUnitPort {
  public:
   virtual ~PowerUnitPort() = default;
-  /// Valid until the next. What is not a number keeps its old value; the rest is clamped.
+  /// Holds until the next call. A member that is not a number keeps its old value; the others are
+  /// clamped.
   virtual void command(const PowerUnitCommand& command) = 0;
   [[nodiscard]] virtual PowerUnitSample power_unit_sample(SimTime time) const = 0;
-  /// Data sheet of its engine.
+  /// Returns the data sheet of its engine.
   [[nodiscard]] virtual EngineData engine_data() const = 0;
 };
 
 /// One number of the status table.
 struct StatusQuantity {
   std::string_view name;
-  std::string_view unit;  ///< Of the value as shown: "deg", "bar".
+  std::string_view unit;  ///< Unit of the displayed value: "deg", "bar".
 };
 
 /// One member of a truth record: `count` numbers under one key, which names their unit.
@@ -123,12 +124,12 @@ class Machine {
   /// The nodes of the ground's terrain that the machine has changed since the last call.
   [[nodiscard]] virtual std::optional<NodeRectangle> take_ground_changes() { return std::nullopt; }
 
-  /// Of its parts that are neither wheel nor drum, where they are at present: what the model itself
-  /// knows of its body. For set-up: it allocates.
+  /// Returns the current positions of its parts other than wheels and drums, as far as the model
+  /// knows them. For set-up: it allocates.
   [[nodiscard]] virtual std::vector<BodyPoint> body_points() const { return {}; }
 
-  /// Why it does not stay where it was put, for people: "it slides, found ..., allowed ..."; empty
-  /// when it stays. For set-up.
+  /// Returns why it does not stay at its initial pose, for display: "it slides, found ..., allowed
+  /// ..."; empty: it stays. For set-up.
   [[nodiscard]] virtual std::string unsteady_start() const { return {}; }
 
   /// Where it stirs up dust at present.

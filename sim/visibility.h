@@ -25,8 +25,8 @@ class Visibility {
   /// `direction_W`, farther than `clearance_m` away.
   [[nodiscard]] virtual bool blocked(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
                                      double clearance_m) const = 0;
-  /// The same ray with tree crowns let through and measured. A scene that knows no foliage answers
-  /// as blocked() does.
+  /// Returns whether the ray is blocked, and measures the tree crowns on it, which do not block. A
+  /// scene without foliage gives the result of blocked().
   [[nodiscard]] virtual SkyPath sky_path(const Eigen::Vector3d& p_W,
                                          const Eigen::Vector3d& direction_W,
                                          double clearance_m) const {

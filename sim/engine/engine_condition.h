@@ -24,13 +24,13 @@ struct EngineConditionParameters {
   double tank_m3 = 0.160;
   double fuel_level = 0.8;  ///< When the run begins, 0 .. 1.
   double indicated_efficiency = 0.44;
-  double coolant_share = 0.25;        ///< Of the fuel's power.
+  double coolant_share = 0.25;        ///< Share of the fuel's power that heats the coolant.
   double water_equivalent_kg = 70.0;  ///< Water with the heat capacity of engine and coolant.
   double closed_kpw = 0.02;           ///< Thermal resistance to the air, thermostat closed.
   double open_kpw = 5.0e-4;
   double thermostat_opens_c = 83.0;
   double thermostat_open_c = 95.0;
-  double initial_c = 85.0;  ///< Warmed up: of coolant and oil when the run begins.
+  double initial_c = 85.0;  ///< Initial temperature of coolant and oil: warmed up.
   double air_c = 20.0;
   double oil_rise_k = 20.0;
   double oil_lag_s = 120.0;

@@ -23,7 +23,7 @@ struct NoFuelFault {
 struct DerateFault {
   static constexpr fields::Named kNamed{"derate", "The engine gives a share of its torque."};
 
-  double share = 0.5;  ///< Of the reference torque.
+  double share = 0.5;  ///< Share of the reference torque.
   Duration ramp{0};
 
   void grow(double of_it) { share = 1.0 - of_it * (1.0 - share); }
@@ -57,11 +57,11 @@ inline void visit(fields::Visitor& v, PumpFault& p) {
   visit_fault(v, p);
 }
 
-/// What is wrong at an instant.
+/// Defects that are active at an instant.
 struct PowerUnitDefects {
   bool fuel = true;
-  double torque_share = 1.0;  ///< Of the reference torque, at most.
-  double flow_share = 1.0;    ///< Of what the pumps deliver at the same speed; without such 1.
+  double torque_share = 1.0;  ///< Torque limit, as a share of the reference torque.
+  double flow_share = 1.0;    ///< Share of the pumps' flow at the same speed; 1 without pumps.
 
   friend bool operator==(const PowerUnitDefects&, const PowerUnitDefects&) = default;
 };
@@ -69,11 +69,11 @@ struct PowerUnitDefects {
 [[nodiscard]] PowerUnitDefects defects_at(SimTime time, const FaultBook<EngineFault>& engine,
                                           const FaultBook<PumpFault>& pumps);
 
-/// A machine whose engine, and pumps where it drives such, can fail.
+/// A machine whose engine, and pumps if it drives pumps, can fail.
 class PowerUnitDefectPort {
  public:
   virtual ~PowerUnitDefectPort() = default;
-  /// Valid until the next.
+  /// Sets the defects; they hold until the next call.
   virtual void fail(const PowerUnitDefects& defects) = 0;
 };
 

@@ -122,7 +122,7 @@ double ActuatorChambers::ended_pa(double pressure_pa, const Flow& flow, double e
   if (flow.guarded || bound == ended || ease == 0.0) {
     return ended;
   }
-  // The same step with the valve's flow G (bound - p) in it: 1 / ease grows by G.
+  // Repeats the step with the valve's flow G (bound - p) in it: 1 / ease grows by G.
   const double g = parameters_.port_conductance;
   return pressure_pa + (flow.value + g * (bound - pressure_pa) - area_rate) / (1.0 / ease + g);
 }

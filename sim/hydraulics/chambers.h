@@ -80,11 +80,12 @@ class ActuatorChambers {
     double slope = 0.0;
     bool guarded = false;  ///< Relief, anti-cavitation or float is in it.
   };
-  /// Pressure at the end of a step that moved `area` at `rate` out of the chamber: where it would
-  /// leave what relief and anti-cavitation let, they have opened within the step.
+  /// Returns the pressure at the end of a step that moved `area` at `rate` out of the chamber.
+  /// Where it would exceed the limits of relief or anti-cavitation, these valves have opened within
+  /// the step.
   [[nodiscard]] double ended_pa(double pressure_pa, const Flow& flow, double ease,
                                 double area_rate) const;
-  /// Between piston and each end, hose included.
+  /// Returns the volumes between the piston and each end, hoses included.
   [[nodiscard]] std::array<double, 2> volumes_m3(double x) const;
   [[nodiscard]] Flow opening_flow(double most, double drop_pa, double full_drop_pa) const;
   [[nodiscard]] Flow inflow(double pressure_pa, double into_m3ps, double out_m3ps,
@@ -96,7 +97,7 @@ class ActuatorChambers {
   double friction_most_ = std::numeric_limits<double>::infinity();
   double drag_ = 0.0;  ///< Friction's force over the rate, of the step that comes.
   PortPressures pressures_;
-  // Of the step between law() and settle(): pressure change = ease (flow - area u).
+  // Values of the step between law() and settle(): pressure change = ease (flow - area u).
   Flow flow_a_;
   Flow flow_b_;
   double ease_a_ = 0.0;

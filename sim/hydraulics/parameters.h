@@ -15,7 +15,7 @@ struct SpoolParameters {
   double rate_limit_per_s = 10.0;      ///< Full spool travels per second.
   double dead_band = 0.04;             ///< Overlap: share of the travel without flow, 0 .. 0.5.
   double flow_max_m3ps = 300.0 / 6e4;  ///< Flow request at full travel, pressure compensated.
-  double back_share = 1.0;             ///< Of flow_max, at full travel the other way.
+  double back_share = 1.0;             ///< Share of flow_max at full travel in the other direction.
 
   friend bool operator==(const SpoolParameters&, const SpoolParameters&) = default;
 };

@@ -45,10 +45,10 @@ class RandomErrors {
   static constexpr std::size_t kProcesses = 5;
 
   RandomErrorParameters parameters_;
-  double flicker_deviation_;  ///< Of each process.
+  double flicker_deviation_;  ///< Standard deviation of each process.
   std::array<Eigen::Vector3d, kProcesses> flicker_{};
   Eigen::Vector3d walk_ = Eigen::Vector3d::Zero();
-  double dt_s_ = 0.0;  ///< For which the transitions are computed.
+  double dt_s_ = 0.0;  ///< Time step of the stored decay and drive.
   std::array<double, kProcesses> decay_{};
   std::array<double, kProcesses> drive_{};
 };

@@ -49,18 +49,18 @@ void validate(const MagnetometerParameters& parameters);
 [[nodiscard]] MagnetometerParameters mti30_magnetometer();
 [[nodiscard]] MagnetometerParameters mti300_magnetometer();
 
-/// A unit's magnetometer with the Earth's field as three numbers. There is none unless it is
-/// present: without, the unit says that the field is not available.
+/// A unit's magnetometer with the Earth's field as three numbers. Without one (`present` false) the
+/// unit reports that the field is not available.
 struct MagnetometerConfiguration {
   bool present = false;
-  double strength_t = 48.7e-6;  ///< Of one field for the whole scene.
+  double strength_t = 48.7e-6;  ///< Strength of the Earth's field, the same in the whole scene.
   double declination_rad = 3.0 * std::numbers::pi / 180.0;
   double inclination_rad = 65.0 * std::numbers::pi / 180.0;
-  MagnetometerParameters sensor;  ///< But for the Earth's field.
+  MagnetometerParameters sensor;  ///< Parameters of the sensor, without the Earth's field.
 };
 void visit(fields::Visitor& v, MagnetometerConfiguration& p);
 
-/// As the sensor wants it.
+/// Returns the sensor's parameters with the field of `configuration`.
 [[nodiscard]] MagnetometerParameters parameters_of(const MagnetometerConfiguration& configuration);
 
 class Magnetometer {

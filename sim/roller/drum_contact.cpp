@@ -7,7 +7,7 @@ namespace rigwire::sim {
 
 namespace {
 
-// Of a bristle deflected by one metre.
+// Returns the law of a bristle deflected by one metre.
 ImplicitForce unit_law(const BristleParameters& parameters, double h, double rolling_mps) {
   Bristle unit;
   unit.yield(parameters, -parameters.stiffness);

@@ -23,14 +23,14 @@
 
 namespace rigwire::sim {
 
-/// Where the drum is and what carries it in this step.
+/// Position and loads of the drum in this step.
 struct DrumSituation {
   double x_m = 0.0;  ///< Pivot forward of the centre of mass.
   double steer_rad = 0.0;
   double steer_rate_radps = 0.0;
   double spin_radps = 0.0;                       ///< At the start of the step.
   std::array<double, kDrumStripsMax> load_n{};   ///< >= 0.
-  std::array<double, kDrumStripsMax> limit_n{};  ///< Of the tangential force.
+  std::array<double, kDrumStripsMax> limit_n{};  ///< Limit of the tangential force.
 };
 
 /// Sums of one drum over its strips: generalised force offset - gain (u, v, r, w).
@@ -50,26 +50,28 @@ class DrumContact {
 
   /// Begins a step; which strips slide is guessed from the velocities before it.
   void begin(double h, const DrumSituation& situation, const Eigen::Vector4d& before);
-  /// What goes into the solve with the strips' present states.
+  /// Returns the terms for the solve in the strips' present states.
   [[nodiscard]] DrumForces forces() const;
-  /// Tests the strips against velocities that the solve found; true when a strip changed between
-  /// holding and sliding, so that the step is to be solved again.
+  /// Compares the strips' forces at the velocities found with their limits. Returns true when a
+  /// strip changed between holding and sliding, so that the step is to be solved again.
   [[nodiscard]] bool test(const Eigen::Vector4d& velocity);
   /// Ends the step.
   void settle(const Eigen::Vector4d& velocity);
-  /// Bristles that carry these forces at rest, spread over the strips as what each bears.
+  /// Bends the bristles so that they carry these forces at rest, spread over the strips in
+  /// proportion to their limits.
   void preload(double along_n, double across_n, const std::array<double, kDrumStripsMax>& limit_n);
-  /// In the air: no bristle is bent, nothing acts.
+  /// Straightens all bristles and clears all forces: the drum is in the air.
   void leave_ground();
 
-  /// Of the last step; on the drum, along and across its own direction.
+  /// Force on the drum in the last step, along and across its own direction.
   [[nodiscard]] double along_n() const { return along_n_; }
   [[nodiscard]] double across_n() const { return across_n_; }
-  /// Of the ground about the pivot, left positive; against a turning pivot.
+  /// Moment of the ground about the pivot in the last step, left positive; it opposes a turning
+  /// pivot.
   [[nodiscard]] double pivot_moment_nm() const { return pivot_moment_nm_; }
-  /// Of the ground in the generalised coordinates.
+  /// Force of the ground in the generalised coordinates, last step.
   [[nodiscard]] const Eigen::Vector4d& generalised() const { return generalised_; }
-  /// Power that the strips turn into heat.
+  /// Power that the strips turned into heat.
   [[nodiscard]] double loss_w() const { return loss_w_; }
   [[nodiscard]] int sliding_strips() const;
 
@@ -96,13 +98,13 @@ class DrumContact {
   BristleParameters across_parameters_;
   std::array<double, kDrumStripsMax> y_m_{};
   std::array<Strip, kDrumStripsMax> strips_;
-  // Of the step.
+  // Values of the current step.
   double h_ = 0.0;
   double rolling_mps_ = 0.0;
   DrumSituation situation_;
-  Eigen::Vector4d along_row_ = Eigen::Vector4d::Zero();  ///< Of a strip at y = 0.
+  Eigen::Vector4d along_row_ = Eigen::Vector4d::Zero();  ///< Row of a strip at y = 0.
   Eigen::Vector4d across_row_ = Eigen::Vector4d::Zero();
-  // Of the last step.
+  // Results of the last step.
   double along_n_ = 0.0;
   double across_n_ = 0.0;
   double pivot_moment_nm_ = 0.0;

@@ -7,7 +7,7 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kDampingRatio = 0.7;
-constexpr double kRollingShare = 0.1;  // Of the brake's stiffness.
+constexpr double kRollingShare = 0.1;  // Share of the brake's stiffness.
 
 int side_of(double value, double limit) {
   return value > limit ? 1 : value < -limit ? -1 : 0;

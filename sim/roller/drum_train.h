@@ -25,14 +25,14 @@ class SpinFriction {
   [[nodiscard]] bool test(double rate_radps);
   void settle(double rate_radps);
   void preload(double torque_nm) { bristle_.yield(parameters_, torque_nm); }
-  /// It lets go.
+  /// Clears the bristle and the torque.
   void reset();
 
   /// Torque on the drum = offset - gain rate.
   [[nodiscard]] ImplicitForce law() const {
     return side_ == 0 ? law_ : ImplicitForce{side_ * limit_nm_, 0.0};
   }
-  /// Of the last step, on the drum.
+  /// Torque on the drum in the last step.
   [[nodiscard]] double torque_nm() const { return torque_nm_; }
 
  private:

@@ -24,12 +24,13 @@ RestMotion falling(const RollerParameters& p) {
           falling_radps2(p, p.pivot_x_m, p.pitch_inertia_kgm2)};
 }
 
-// Of a disc's circumference, to either side of its lowest point: what is steeper is not rolled
-// over.
+// Angles at which a disc is scanned, to either side of its lowest point. It does not roll over
+// anything steeper.
 constexpr int kDiscSteps = 6;
 constexpr double kDiscStep_rad = 0.21;
 
-// A rate that speeds up towards `way` by no more than `most`; none that slows down.
+// Limits the growth of a rate in the direction of `way` to `most`; leaves other changes as they
+// are.
 double held(double rate, double before, double most, double way) {
   if (way > 0.0) {
     return std::min(rate, std::max(before, 0.0) + most);

@@ -29,11 +29,12 @@ namespace rigwire::sim {
 
 /// A strip's lowest point and the surface there.
 struct StripGround {
-  Eigen::Vector2d p_B_m = Eigen::Vector2d::Zero();  ///< In the frame's plane.
+  Eigen::Vector2d p_B_m = Eigen::Vector2d::Zero();  ///< Position in the frame's plane.
   GroundPoint point;
   double gap_m = 0.0;  ///< From the strip up to the surface, along the frame's z.
-  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< Of the surface against the frame's plane.
-  double weight = 1.0;  ///< In the fit: less where it comes off the ground, 0 in the air.
+  /// Slope of the surface against the frame's plane.
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  double weight = 1.0;  ///< Weight in the fit: less where it comes off the ground, 0 in the air.
 
   [[nodiscard]] bool bears() const { return weight > 0.0; }
 };
@@ -64,32 +65,35 @@ class GroundRest {
 
   /// False: a drum is in the air, all along.
   [[nodiscard]] bool stands() const { return stands_; }
-  /// No strip hangs free.
+  /// Returns whether no strip hangs free.
   [[nodiscard]] bool bears_all() const { return bears_all_; }
-  /// The strips that bear of a drum: the first, and the one after the last. Precondition: stands().
+  /// Returns the range of a drum's strips that bear: the first, and one past the last.
+  /// Precondition: stands().
   [[nodiscard]] std::array<std::size_t, 2> bearing(std::size_t drum) const;
-  /// How far the frame is from lying on the ground.
+  /// Returns the frame's distance from its pose on the ground.
   [[nodiscard]] const RestMotion& deviation() const { return deviation_; }
-  /// Rates at the end of a step of h, from those before; `planar` are u, v at the origin and r.
+  /// Returns the rates at the end of a step of h, from those before; `planar` are u, v at the
+  /// origin and r.
   [[nodiscard]] RestMotion rates(double h, const Eigen::Vector3d& planar,
                                  const RestMotion& before) const;
 
  private:
   void place_strips(const std::array<double, 2>& steer_rad);
-  /// Which strips bear, and the normal equations of those.
+  /// Determines the strips that bear, and the normal equations of their fit.
   void find_bearing(bool put_down);
   struct Disc;
   static void roll_over(const Disc& disc, const RollingClimb& climb, const Eigen::Matrix3d& R_WB,
                         double steer_rad, StripGround& strip);
   [[nodiscard]] static bool rises(double angle_rad, const Disc& disc, const RollingClimb& climb,
                                   const GroundPoint& point);
-  /// Whether the terrain within a drum's reach has edges; looked at again after 0.1 m of way.
+  /// Returns whether the terrain within a drum's reach has edges; checked again after 0.1 m of way.
   [[nodiscard]] bool rough(std::size_t drum, const Eigen::Vector3d& p_WB,
                            const Eigen::Matrix3d& R_WB);
-  /// Obstacles beside the terrain under one strip at p_W: raises its gap and slopes.
+  /// Raises the gap and slopes of one strip at p_W where there are obstacles beside the terrain
+  /// below.
   void climb(std::size_t drum, const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB,
              StripGround& strip) const;
-  /// Of heave, roll and pitch; `right`: sums of heights times (1, y, -x).
+  /// Returns the fitted heave, roll and pitch; `right`: sums of heights times (1, y, -x).
   [[nodiscard]] RestMotion fit(const Eigen::Vector3d& right) const;
 
   const Ground* ground_;
@@ -109,14 +113,16 @@ class GroundRest {
                                           Eigen::Vector3d::Constant(1e300)};
     bool rough = false;
   };
-  std::array<Seen, 2> seen_;  ///< Of the drums.
+  std::array<Seen, 2> seen_;  ///< One for each drum.
   std::array<StripGround, kRollerStripsMax> strips_;
   RestMotion deviation_;
   bool stands_ = true;
-  Eigen::Vector2d hangs_m_ = Eigen::Vector2d::Zero();  ///< Sum of the places that hang free.
+  /// Sum of the positions of strips that hang free.
+  Eigen::Vector2d hangs_m_ = Eigen::Vector2d::Zero();
   bool bears_all_ = true;
-  bool even_ = false;  ///< The normal equations are of all strips alike.
-  Eigen::Matrix3d inverse_ = Eigen::Matrix3d::Identity();  ///< Of the normal equations.
+  bool even_ = false;  ///< The normal equations are those of equal weights.
+  /// Inverse of the normal equations' matrix.
+  Eigen::Matrix3d inverse_ = Eigen::Matrix3d::Identity();
 };
 
 }  // namespace rigwire::sim

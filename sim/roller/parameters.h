@@ -37,11 +37,12 @@ struct DrumParameters {
   int strips = 6;  ///< 1 .. 9 along the width. An even number has the whole scrub moment mu N b/4.
   double slip_stiffness_n = 7.0e5;           ///< dF/dslip of a drum at slip 0.
   double cornering_stiffness_nprad = 7.0e5;  ///< dF/dslip angle of a drum.
-  double relaxation_length_m = 0.06;         ///< Of the bristles: half the contact's length.
-  double contact_length_m = 0.12;            ///< On soft soil, for cohesion.
-  double damping_ratio = 0.7;                ///< Of the bristles.
-  double friction_factor = 0.75;             ///< Steel on the ground, against rubber on it.
-  double rolling_resistance = 0.02;          ///< Coefficient on hard ground.
+  /// Relaxation length of the bristles: half the contact's length.
+  double relaxation_length_m = 0.06;
+  double contact_length_m = 0.12;    ///< On soft soil, for cohesion.
+  double damping_ratio = 0.7;        ///< Damping ratio of the bristles.
+  double friction_factor = 0.75;     ///< Friction of steel on the ground over that of rubber.
+  double rolling_resistance = 0.02;  ///< Coefficient on hard ground.
 
   friend bool operator==(const DrumParameters&, const DrumParameters&) = default;
 };
@@ -56,16 +57,17 @@ void visit(fields::Visitor& v, DrumParameters& p);
 inline constexpr std::array<std::string_view, 5> kRollerLinks{"frame", "front_yoke", "rear_yoke",
                                                               "front_drum", "rear_drum"};
 
-/// Frame with cab and hood, and the yokes over the drums: estimates. The drums are met as
+/// Frame with cab and hood, and the yokes over the drums: estimates. The drums themselves are
 /// cylinders.
 [[nodiscard]] SolidBodyParameters roller_boxes();
 
 struct RollerParameters {
   RollerLevel level = RollerLevel::dynamic;
   double mass_kg = 8700.0;  ///< With both drums, without water and chips.
-  /// About its centre of mass, without water and chips.
+  /// Moment of inertia about its centre of mass, without water and chips.
   double yaw_inertia_kgm2 = 2.4e4;
-  double roll_inertia_kgm2 = 4.5e3;  ///< Likewise, when it tips; the drums' spins not counted.
+  /// About the same point, when it tips; without the drums' spins.
+  double roll_inertia_kgm2 = 4.5e3;
   double pitch_inertia_kgm2 = 2.2e4;
   double center_of_mass_x_m = 0.0;
   double center_of_mass_height_m = 0.95;
@@ -73,19 +75,20 @@ struct RollerParameters {
   DrumParameters drum;
   PivotSteeringParameters steering;
   HydrostaticDriveParameters drive;
-  /// A speed controller trims the drive by what the drums miss of a commanded travel speed, and
-  /// brakes at rest. Without it the set point of the pump is all: the machine creeps by leakage.
+  /// A speed controller corrects the drive by the drums' error from the commanded travel speed, and
+  /// brakes at rest. Without it the pump's set point alone counts: the machine creeps by leakage.
   bool travel_control = true;
   EngineConditionParameters engine = roller_engine();
-  double brake_torque_nm = 1.7e4;          ///< Of each drum, service brake fully applied.
-  double parking_brake_torque_nm = 1.7e4;  ///< Of each drum.
-  double brake_stiffness_nmprad = 1.2e7;   ///< Of a held drum against the frame.
+  double brake_torque_nm = 1.7e4;          ///< Torque of each drum's service brake, fully applied.
+  double parking_brake_torque_nm = 1.7e4;  ///< Torque of each drum's parking brake.
+  double brake_stiffness_nmprad = 1.2e7;   ///< Stiffness of a held drum against the frame.
   VibrationParameters front_vibration;
   VibrationParameters rear_vibration;
   SprinklerParameters sprinkler;
   SpreaderParameters spreader;
   EdgeCutterParameters edge_cutter;
-  /// How heave, pitch and roll follow the ground under the drums: the mat and the mounts give.
+  /// How heave, pitch and roll follow the ground under the drums: the mat and the mounts are
+  /// elastic.
   double rest_frequency_hz = 10.0;
   double rest_damping_ratio = 0.7;
   SolidBodyParameters solid = roller_boxes();

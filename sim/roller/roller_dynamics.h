@@ -52,14 +52,15 @@ struct ContactRows {
 };
 using RollerContact = ContactRows<5>;
 
-/// What acts on the roller in one step.
+/// Loads of the roller in one step.
 struct RollerLoads {
   RollerMass mass;
   Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();  ///< In the frame's plane.
   Eigen::Vector3d supplement = Eigen::Vector3d::Zero();    ///< N, N, N m about the centre of mass.
   std::array<DrumSituation, 2> drum;
   DrumTorqueLimits torque;
-  std::array<double, 2> ploughing_limit_n{};  ///< Of soft soil on the drum's centre, along it.
+  /// Limit of the soft soil's force on the drum's centre, along the drum's direction.
+  std::array<double, 2> ploughing_limit_n{};
   std::span<const RollerContact> contacts;
 };
 
@@ -78,15 +79,15 @@ class RollerDynamics {
   [[nodiscard]] double rolling_torque_nm(std::size_t which) const {
     return train_.rolling_torque_nm(which);
   }
-  /// The drums let go of the ground: bristles and what is told of them are gone.
+  /// Clears the drums' bristles and their results: they have left the ground.
   void leave_ground();
-  /// Of soft soil on the drum's centre, forward along it.
+  /// Force of soft soil on the drum's centre, forward along its direction.
   [[nodiscard]] double ploughing_n(std::size_t which) const {
     return ploughing_[which].torque_nm();
   }
-  /// Of the ground on the machine in the frame's axes, last step.
+  /// Force of the ground on the machine in the last step, in the frame's axes.
   [[nodiscard]] Eigen::Vector2d ground_force_n() const;
-  /// Steps whose limits still changed in the last round allowed.
+  /// Number of steps whose limits still changed in the last permitted round.
   [[nodiscard]] std::uint64_t unsettled_steps() const { return unsettled_steps_; }
 
  private:

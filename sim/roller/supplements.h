@@ -13,7 +13,7 @@ struct SprinklerParameters {
   double capacity_kg = 850.0;
   double initial_kg = 800.0;
   double flow_kgps = 0.05;  ///< While the machine moves.
-  double x_m = -0.3;        ///< Of the tank's centre, in the frame.
+  double x_m = -0.3;        ///< Centre of the tank, in the frame.
   double height_m = 1.3;
 
   friend bool operator==(const SprinklerParameters&, const SprinklerParameters&) = default;
@@ -26,7 +26,7 @@ struct SpreaderParameters {
   double initial_kg = 1200.0;
   double width_m = 1.68;
   double rate_max_kgpm2 = 2.0;
-  double x_m = -2.4;  ///< Of the hopper's centre, in the frame.
+  double x_m = -2.4;  ///< Centre of the hopper, in the frame.
   double height_m = 1.2;
 
   friend bool operator==(const SpreaderParameters&, const SpreaderParameters&) = default;
@@ -40,7 +40,7 @@ struct EdgeCutterParameters {
   double press_share = 0.95;  ///< Share of the lift at which the wheel touches the mat.
   double lateral_n = 7500.0;  ///< Reaction on the frame when fully pressed and moving.
   double moving_mps = 0.05;   ///< Speed from which the reaction is full.
-  double x_m = 0.6;           ///< Of the wheel, in the frame.
+  double x_m = 0.6;           ///< Position of the wheel, in the frame.
   double y_m = -1.0;          ///< The reaction points away from the wheel's side.
 
   friend bool operator==(const EdgeCutterParameters&, const EdgeCutterParameters&) = default;
@@ -87,14 +87,14 @@ class ChipSpreader {
 class EdgeCutter {
  public:
   explicit EdgeCutter(const EdgeCutterParameters& p) : parameters_(p) {}
-  /// 0 raised .. 1 pressed down; not a number: the old one stays.
+  /// Sets the position, 0 raised .. 1 pressed down; not a number: it stays.
   void command(double share);
   void step(double h);
 
   [[nodiscard]] double share() const { return share_; }
-  /// Of the wheel above the mat.
+  /// Height of the wheel above the mat.
   [[nodiscard]] double height_m() const { return (1.0 - share_) * parameters_.lift_m; }
-  /// On the frame, left positive.
+  /// Returns the force on the frame, left positive.
   [[nodiscard]] double lateral_n(double speed_mps) const;
 
  private:

@@ -87,7 +87,8 @@ LinkMotion carried(const LinkMotion& base, const Eigen::Vector3d& r, const Eigen
   return moved;
 }
 
-// The same origin, turned by `angle` about an own axis (unit, in `base`).
+// Returns the motion of a link with the same origin, turned by `angle` about an own axis (unit, in
+// `base`).
 LinkMotion rotated(const LinkMotion& base, const Eigen::Vector3d& axis, double angle, double rate,
                    double acceleration) {
   const Eigen::Vector3d axis_W = base.X_WL.linear() * axis;
@@ -314,6 +315,7 @@ void TandemRoller::inner_step(double h) {
   }
 }
 
+/// Follows the chain at the top of tandem_roller.h.
 void TandemRoller::part_step(double h) {
   hold_travel_speed(h);
   const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();
@@ -628,7 +630,7 @@ bool TandemRoller::loses_its_footing(double h, const Eigen::Matrix3d& R_WB) {
   if (!rest_.stands()) {
     return true;
   }
-  // Of the step before: the ground's forces, the cutter's at the ground, and those of obstacles.
+  // Forces of the last step: the ground's, the cutter's at the ground, and those of obstacles.
   const double normal = mass_.mass_kg * parameters_.gravity_mps2 * R_WB(2, 2);
   const Eigen::Vector2d push =
       dynamics_.ground_force_n() + Eigen::Vector2d(0.0, loads_.supplement.y());

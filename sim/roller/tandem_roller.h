@@ -84,13 +84,13 @@ class TandemRoller final : public Machine, public VehiclePort, public PowerUnitD
 
   [[nodiscard]] double drum_rate_radps(std::size_t which) const { return spin_radps_[which]; }
   [[nodiscard]] double steer_rad(std::size_t which) const { return steering_[which].angle_rad(); }
-  /// Of the ground on a drum's pivot, left positive.
+  /// Moment of the ground on a drum's pivot, left positive.
   [[nodiscard]] double pivot_moment_nm(std::size_t which) const {
     return dynamics_.drum(which).pivot_moment_nm();
   }
   /// Normal force of a drum in the last step.
   [[nodiscard]] double drum_load_n(std::size_t which) const { return load_n_[which]; }
-  /// It does not stand on both drums: it tips, falls or lies.
+  /// Returns whether it does not stand on both drums: it tips, falls or lies.
   [[nodiscard]] bool tipped() const { return tipped_; }
   /// How far inside of what it stands on the resultant of weight and inertia meets the ground, in
   /// the last step on its drums; negative: outside.
@@ -115,10 +115,10 @@ class TandemRoller final : public Machine, public VehiclePort, public PowerUnitD
   };
 
   void inner_step(double h);
-  /// Of the inner step all, or a millisecond at most while it has tipped.
+  /// Makes a part of the inner step: all of it, or a millisecond at most after it has tipped.
   void part_step(double h);
-  /// Holds the travel speed that is commanded: trims the drive's set point by what the drums are
-  /// slower than it, and applies the brake at rest.
+  /// Holds the commanded travel speed: raises the drive's set point by the drums' missing speed,
+  /// and applies the brake at rest.
   void hold_travel_speed(double h);
   void command_drive();
   void supplements(double h, double speed_mps);

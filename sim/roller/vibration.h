@@ -21,8 +21,8 @@ struct VibrationParameters {
   double frequency_hz = 50.0;
   double amplitude_m = 0.5e-3;
   double ramp_s = 1.0;        ///< From standstill to full speed and back; 0 = at once.
-  double frame_share = 0.05;  ///< Of the drum's motion that the rubber mounts let through.
-  double frame_phase_rad = std::numbers::pi;  ///< By which the frame lags: above resonance.
+  double frame_share = 0.05;  ///< Share of the drum's motion that the rubber mounts transmit.
+  double frame_phase_rad = std::numbers::pi;  ///< Phase lag of the frame: above resonance.
 
   friend bool operator==(const VibrationParameters&, const VibrationParameters&) = default;
 };
@@ -49,10 +49,10 @@ class DrumVibration {
 
   /// Exciter turning, as commanded.
   [[nodiscard]] bool on() const { return on_; }
-  /// 0 .. 1 of the exciter's speed.
+  /// Share of the exciter's speed, 0 .. 1.
   [[nodiscard]] double speed_share() const { return speed_; }
   [[nodiscard]] Oscillation drum() const { return at(0.0, 1.0); }
-  /// Of the frame above this drum.
+  /// Oscillation of the frame above this drum.
   [[nodiscard]] Oscillation frame() const {
     return at(parameters_.frame_phase_rad, parameters_.frame_share);
   }

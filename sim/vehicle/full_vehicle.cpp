@@ -238,6 +238,8 @@ void FullVehicle::contacts(double h, const Velocities& start) {
   meet_obstacles(h, start);
 }
 
+/// Computes pose and velocity of body, axles and wheels for the contact, v_C + w x p plus the rates
+/// of suspension and spin, and for each contact point its row of the velocity system.
 void FullVehicle::meet_obstacles(double h, const Velocities& start) {
   near_ = contact_.near(h, state_.v_WC_W.norm() + 2.0 * reach_m_ * state_.w_WB_B.norm() + 0.1);
   if (!near_) {

@@ -37,7 +37,7 @@ struct FullVehicleState {
   std::array<double, kWheels> wheel_angle_rad{};
 };
 
-/// Of everything, about the world's origin.
+/// Momentum and energy of the whole vehicle, about the world's origin.
 struct VehicleMomentum {
   Eigen::Vector3d linear_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_W = Eigen::Vector3d::Zero();

@@ -77,7 +77,7 @@ void GroundFollower::step(double h, const Ground& ground, const Vector2d& speed_
                           double yaw_rate_radps) {
   const Matrix3d R = body_.X_WL.linear();
   const Vector3d v_W = R.leftCols<2>() * speed_mps;
-  // Of the heading seen from above, for a turn about the body's z.
+  // Yaw change of the heading seen from above, for a turn about the body's z.
   const Vector3d turned = R.col(0) + h * yaw_rate_radps * R.col(1);
   yaw_rad_ = std::remainder(yaw_rad_ + std::atan2(R(0, 0) * turned.y() - R(1, 0) * turned.x(),
                                                   R(0, 0) * turned.x() + R(1, 0) * turned.y()),

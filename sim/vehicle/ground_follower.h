@@ -61,14 +61,14 @@ class GroundFollower {
   LinkMotion body_;
 };
 
-/// Links of a vehicle whose axles stand still in B (kWheeledLinks), from the body's motion.
-/// Accelerations of the wheels' spins in rad/s2.
+/// Computes the links of a vehicle whose axles are fixed in B (kWheeledLinks), from the body's
+/// motion. Accelerations of the wheels' spins in rad/s2.
 void rigid_links(const WheeledVehicleParameters& parameters, const StaticLoads& loads,
                  const std::array<double, 4>& steer_rad, const std::array<double, 4>& spin_rad,
                  const std::array<double, 4>& rate_radps, const std::array<double, 4>& rate_radps2,
                  const LinkMotion& body, std::array<LinkMotion, 7>& links);
 
-/// The same poses and velocities for the contact, wheels without their spin.
+/// Computes the links' poses and velocities for the contact, wheels without their spin.
 void place_rigid_links(const WheeledVehicleParameters& parameters, const StaticLoads& loads,
                        const std::array<double, 4>& steer_rad, const LinkMotion& body,
                        std::array<ContactLink, 7>& links);

@@ -56,7 +56,7 @@ void KinematicVehicle::meet_obstacles(double h) {
   const Eigen::Matrix3d R_WB = follower_.R_WB();
   for (ContactPoint& point : contact_.points()) {
     const Eigen::Vector3d p_B = R_WB.transpose() * (point.p_W - body.X_WL.translation());
-    // Of the point per speed ahead, v + w x p in the body's plane.
+    // Velocity of the point per speed ahead, v + w x p in the body's plane.
     const Eigen::Vector3d way(1.0 - curvature_1pm_ * p_B.y(), sideways_ + curvature_1pm_ * p_B.x(),
                               0.0);
     const bool steep = std::abs(R_WB.col(2).dot(point.direction_W[0])) > kSteep;

@@ -28,7 +28,7 @@ class KinematicVehicle final : public WheeledVehicle {
   void update_links() override;
   /// Wheel rates per speed, and yaw rate and sideways speed of B's origin per speed ahead.
   void update_geometry();
-  /// Speed at the end of the step.
+  /// Returns the speed at the end of the step.
   [[nodiscard]] double drive(double h);
   void meet_obstacles(double h);
 
@@ -38,7 +38,7 @@ class KinematicVehicle final : public WheeledVehicle {
   bool near_ = false;                                ///< Obstacles may be within reach.
   Bristle hold_;  ///< Brakes and rolling resistance together, along the path.
   bool held_at_limit_ = false;
-  double speed_mps_ = 0.0;  ///< Of B's origin, along its x.
+  double speed_mps_ = 0.0;  ///< Speed of B's origin, along its x.
   double curvature_1pm_ = 0.0;
   double sideways_ = 0.0;
   WheelVector rate_per_speed_ = WheelVector::Zero();

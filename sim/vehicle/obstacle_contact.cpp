@@ -12,9 +12,11 @@ namespace {
 
 constexpr std::size_t kFirstWheel = kWheeledLinks.size() - kWheels;
 constexpr double kTyreDampingRatio = 0.3;
-constexpr double kCorner_m = 0.4;  ///< Of the box whose corner a chassis' point is.
+/// Edge length of the cube that has a chassis point as a corner.
+constexpr double kCorner_m = 0.4;
 
-/// Corners of the body that meet the terrain alone: each of a box that lies inwards of it.
+/// Adds corners of the body that contact only the terrain: cubes that extend inwards from each
+/// point.
 void add_corners(const WheeledVehicleParameters& parameters, std::vector<ContactBody>& bodies) {
   const std::vector<ChassisPoint>& points = parameters.chassis.points;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();

@@ -33,7 +33,7 @@ void visit_stop(fields::Visitor& v, StopParameters& p, const fields::NumberRule&
            "Travel over which the stiffness grows to that.");
 }
 
-/// Of a beam's side and of an independent wheel alike.
+/// Visits the travel keys that a beam's side and an independent wheel share.
 template <class Axle>
 void visit_travel(fields::Visitor& v, Axle& p) {
   v.number("bump_travel", p.bump_travel_m, in("mm").between(0.001, 10'000),

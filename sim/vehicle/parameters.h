@@ -65,8 +65,8 @@ struct BeamAxleParameters {
                                      ///< guides the axle straight up and down.
   double tube_rise_m = 0.05;         ///< Pivot above the axle's centre.
   double roll_centre_rise_m = 0.20;  ///< Panhard rod above the axle's centre.
-  double spring_npm = 1.6e5;         ///< Of each side.
-  double damper_nspm = 1.0e4;        ///< Of each side.
+  double spring_npm = 1.6e5;         ///< Stiffness of each side.
+  double damper_nspm = 1.0e4;        ///< Damping of each side.
   double spring_base_m = 1.05;       ///< Left to right spring, and damper.
   double roll_bar_nmprad = 0.0;      ///< Between the two sides.
   double bump_travel_m = 0.16;       ///< Heave up to the bump stop.
@@ -93,8 +93,9 @@ struct IndependentAxleParameters {
 void visit(fields::Visitor& v, IndependentAxleParameters& p);
 
 struct SteeringParameters {
-  double angle_max_rad = 0.0;   ///< Of the equivalent single wheel; 0: the axle does not steer.
-  double rate_max_radps = 0.6;  ///< Same.
+  /// Angle of the equivalent single wheel; 0: the axle does not steer.
+  double angle_max_rad = 0.0;
+  double rate_max_radps = 0.6;  ///< Rate of the equivalent single wheel.
   double time_constant_s = 0.08;
 };
 void visit(fields::Visitor& v, SteeringParameters& p);
@@ -109,9 +110,9 @@ struct VehicleAxleParameters {
   IndependentAxleParameters independent;
   TyreParameters tyre;
   SteeringParameters steering;
-  double brake_torque_nm = 3.0e4;      ///< Of both wheels together, pedal down.
-  double parking_brake_nm = 0.0;       ///< Of both wheels together.
-  double initial_pressure_pa = 4.5e5;  ///< Of its tyres, above ambient.
+  double brake_torque_nm = 3.0e4;      ///< Torque of both wheels together, pedal down.
+  double parking_brake_nm = 0.0;       ///< Torque of both wheels together.
+  double initial_pressure_pa = 4.5e5;  ///< Pressure of its tyres, above ambient.
 };
 void visit(fields::Visitor& v, VehicleAxleParameters& p);
 
@@ -134,11 +135,11 @@ void visit(fields::Visitor& v, ChassisPoint& p);
 
 inline constexpr std::size_t kChassisPoints = 16;
 
-/// Corners of body and underbody that may hit the ground, which bears what it bears under the boxes
-/// (solid). Obstacles meet the boxes alone.
+/// Corners of body and underbody that may hit the ground. The ground there is as strong as under
+/// the boxes (solid). Obstacles contact only the boxes.
 struct ChassisContactParameters {
   std::vector<ChassisPoint> points;  ///< At most kChassisPoints.
-  double stiffness_npm = 4.0e7;      ///< As hard as the boxes, and damped as they are.
+  double stiffness_npm = 4.0e7;      ///< As stiff as the boxes, with the same damping.
   double damping_nspm = 3.6e5;
 };
 void visit(fields::Visitor& v, ChassisContactParameters& p);
@@ -156,11 +157,11 @@ void visit(fields::Visitor& v, HitchParameters& p);
 struct PowerTakeOffParameters {
   bool fitted = false;
   double ratio = 2.0;          ///< Engine's speed over the shaft's.
-  double engage_time_s = 1.0;  ///< Of its clutch.
+  double engage_time_s = 1.0;  ///< Engagement time of its clutch.
 };
 void visit(fields::Visitor& v, PowerTakeOffParameters& p);
 
-/// What implements hang on and are driven by, front and rear.
+/// Hitches and power take-offs for implements, front and rear.
 struct ImplementParameters {
   std::array<HitchParameters, kImplementEnds> hitch;
   std::array<PowerTakeOffParameters, kImplementEnds> power_take_off;
@@ -180,9 +181,9 @@ struct WheeledVehicleParameters {
   SprungBodyParameters body;
   VehicleAxleParameters front;
   VehicleAxleParameters rear;
-  double brake_stiffness_nmprad = 4.0e5;  ///< Of a brake that holds, at the wheel.
-  /// Of the service brake's torque behind its demand. UNECE R13, annex 6, gives air brakes 0.6 s to
-  /// three quarters, 1.4 lags; this is an estimate of what new ones take.
+  double brake_stiffness_nmprad = 4.0e5;  ///< Stiffness of a holding brake, at the wheel.
+  /// First-order lag of the service brake's torque. UNECE R13, annex 6, gives air brakes 0.6 s to
+  /// three quarters, 1.4 lags; this is an estimate for new ones.
   double brake_lag_s = 0.2;
   TyrePressureParameters tyre_pressure;
   ChassisContactParameters chassis;
@@ -206,13 +207,14 @@ struct WheeledVehicleParameters {
 };
 void visit(fields::Visitor& v, WheeledVehicleParameters& p);
 
-/// What carries what when the vehicle stands on level ground, in design position.
+/// Loads and heights of a vehicle that stands on level ground, in design position.
 struct StaticLoads {
-  std::array<double, 2> spring_n{};          ///< Of both springs of front and rear axle.
-  std::array<double, 2> wheel_n{};           ///< Of one wheel of front and rear axle.
-  std::array<double, 2> wheel_height_m{};    ///< Wheel's centre above ground.
+  std::array<double, 2> spring_n{};        ///< Load of both springs together, front and rear axle.
+  std::array<double, 2> wheel_n{};         ///< Load of one wheel, front and rear axle.
+  std::array<double, 2> wheel_height_m{};  ///< Wheel's centre above ground.
   std::array<double, 2> rolling_radius_m{};  ///< Way per radian of a wheel that rolls freely.
-  Eigen::Vector3d center_of_mass_m = Eigen::Vector3d::Zero();  ///< Of everything, in B.
+  /// Centre of mass of the whole vehicle, in B.
+  Eigen::Vector3d center_of_mass_m = Eigen::Vector3d::Zero();
 };
 [[nodiscard]] StaticLoads static_loads(const WheeledVehicleParameters& parameters);
 

@@ -38,8 +38,9 @@ class PlanarVehicle final : public WheeledVehicle {
   std::vector<VehicleContactRows> contact_rows_;
   bool near_ = false;  ///< Obstacles may be within reach in this step.
   double yaw_inertia_kgm2_ = 0.0;
-  std::array<double, 2> roll_share_{};                      ///< Of the axles.
-  Eigen::Vector2d velocity_mps_ = Eigen::Vector2d::Zero();  ///< Of the centre of mass, axes of B.
+  std::array<double, 2> roll_share_{};  ///< Share of each axle in the lateral load transfer.
+  /// Velocity of the centre of mass, axes of B.
+  Eigen::Vector2d velocity_mps_ = Eigen::Vector2d::Zero();
   double yaw_rate_radps_ = 0.0;
   Eigen::Vector2d acceleration_mps2_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d transfer_mps2_ = Eigen::Vector2d::Zero();  ///< Lagged specific force.

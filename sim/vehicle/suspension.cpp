@@ -25,7 +25,7 @@ StopForce stop_force(const StopParameters& stop, double past) {
   return {stop.stiffness * (past - 0.5 * stop.ramp), stop.stiffness};
 }
 
-/// Of a coordinate with a stop above `upper` and one below `lower`; force pushes back.
+/// Returns the force on a coordinate with stops above `upper` and below `lower`; it pushes back.
 StopForce stops(const StopParameters& stop, double s, double lower, double upper) {
   if (s > upper) {
     const StopForce high = stop_force(stop, s - upper);
@@ -94,7 +94,7 @@ void AxleSuspension::update_beam(const Vector2d& s, const Vector2d& s_rate, cons
   // Pitch about y, then roll about the tube.
   axle.R_BA << cp, sp * sr, sp * cr, 0.0, cr, -sr, -sp, cp * sr, cp * cr;
   const Vector3d tube = axle.R_BA.col(0);
-  const Vector3d up(sp, 0.0, cp);  // Of the tube, not rolled.
+  const Vector3d up(sp, 0.0, cp);  // Vertical axis of the tube, not rolled.
   const double rise = axle_.beam.roll_centre_rise_m;
 
   // Roll centre on its arc about the pivot (straight up where guided), axle centre below it.

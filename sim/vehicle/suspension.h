@@ -22,10 +22,12 @@ struct UnsprungMass {
   double transverse_kgm2 = 0.0;
   double axial_kgm2 = 0.0;
   Eigen::Vector3d axis = Eigen::Vector3d::UnitY();
-  std::array<Eigen::Vector3d, 2> velocity_by_s;    ///< Of the position.
-  std::array<Eigen::Vector3d, 2> rate_by_s;        ///< Angular, against the body.
-  Eigen::Vector3d rate = Eigen::Vector3d::Zero();  ///< Angular, in W.
-  /// What accelerates without any acceleration of body or coordinates.
+  /// Velocity of the position per rate of each coordinate.
+  std::array<Eigen::Vector3d, 2> velocity_by_s;
+  /// Angular velocity against the body per rate of each coordinate.
+  std::array<Eigen::Vector3d, 2> rate_by_s;
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();  ///< Angular velocity in W.
+  /// Accelerations while the body and the coordinates have none.
   Eigen::Vector3d bias_mps2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d bias_radps2 = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_BA = Eigen::Matrix3d::Identity();  ///< Axes of the axle (of the carrier).
@@ -35,12 +37,14 @@ struct UnsprungMass {
 struct WheelFrame {
   Eigen::Vector3d hub_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis = Eigen::Vector3d::UnitY();  ///< Unit, of spin, forward positive.
-  std::array<Eigen::Vector3d, 2> velocity_by_s;     ///< Of the hub.
-  std::array<Eigen::Vector3d, 2> rate_by_s;         ///< Of the carrier.
-  Eigen::Vector3d rate = Eigen::Vector3d::Zero();   ///< Of the carrier, in W.
+  /// Velocity of the hub per rate of each coordinate.
+  std::array<Eigen::Vector3d, 2> velocity_by_s;
+  /// Angular velocity of the carrier per rate of each coordinate.
+  std::array<Eigen::Vector3d, 2> rate_by_s;
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();  ///< Angular velocity of the carrier in W.
   Eigen::Vector3d bias_mps2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d bias_radps2 = Eigen::Vector3d::Zero();
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< Unit, of the carrier.
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< Unit vector, up, of the carrier.
 
   /// Axes of the steered hub, not spinning.
   [[nodiscard]] Eigen::Matrix3d R_BH() const;
@@ -91,11 +95,11 @@ class AxleSuspension {
   bool beam_;
   double spring_n_;
   double heave_per_rad_ = 0.0;  ///< Signed; the inverse of the tube's angle per heave. 0: guided.
-  Eigen::Vector3d centre_m_;    ///< Of the axle at rest.
+  Eigen::Vector3d centre_m_;    ///< Centre of the axle at rest.
   Eigen::Vector3d pivot_m_;
   std::array<UnsprungMass, 2> masses_;
   std::array<WheelFrame, 2> wheels_;
-  std::array<double, 2> steer_rad_{};  ///< Of the cosines and sines.
+  std::array<double, 2> steer_rad_{};  ///< Angles of the cosines and sines below.
   std::array<double, 2> steer_cosine_{1.0, 1.0};
   std::array<double, 2> steer_sine_{};
 };

@@ -21,21 +21,21 @@
 
 namespace rigwire::sim {
 
-/// Estimates; docs/machines/drive-lines.md has what they give.
+/// Estimates; docs/machines/drive-lines.md has the resulting behaviour.
 struct TravelControlParameters {
-  double acceleration_mps2 = 1.0;  ///< Of the ramp, away from 0 ...
+  double acceleration_mps2 = 1.0;  ///< Ramp of the set point, away from 0 ...
   double deceleration_mps2 = 2.0;  ///< ... and towards it.
   double gain_per_s = 1.5;
   double integral_per_s2 = 0.5;
   double inclination_lag_s = 0.3;
-  double brake_rate_per_s = 8.0;  ///< Of the brake's share.
+  double brake_rate_per_s = 8.0;  ///< Rate limit of the brake's share.
 };
 void visit(fields::Visitor& v, TravelControlParameters& p);
 
-/// What of the machine the controller knows.
+/// Properties of the machine that the controller uses.
 struct TravelMachine {
   double mass_kg = 0.0;
-  double radius_m = 0.0;  ///< Of the driven wheels.
+  double radius_m = 0.0;  ///< Radius of the driven wheels.
   double brake_n = 0.0;   ///< At the ground, service brake fully applied.
   double gravity_mps2 = 0.0;
 };
@@ -44,10 +44,10 @@ class TravelControl {
  public:
   TravelControl(const TravelControlParameters& parameters, const TravelMachine& machine);
 
-  /// Engine, gear and brake in place of `command`'s, whose travel_speed_mps is given;
-  /// `slope` is the sine of the frame's pitch, nose up positive.
+  /// Replaces engine, gear and brake of `command`, whose travel_speed_mps is given; `slope` is the
+  /// sine of the frame's pitch, nose up positive.
   void step(double h, const Driveline& driveline, double slope, VehicleCommand& command);
-  /// As long as no travel speed is asked for.
+  /// Deactivates the controller: no travel speed is commanded.
   void release();
 
   [[nodiscard]] TravelLimit limit() const { return limit_; }

@@ -45,15 +45,15 @@ class VelocitySystem {
 
   /// matrix += weight J^T J, right += impulse J^T.
   void add(const VelocityRow& row, double weight, double impulse);
-  /// The same for a row without wheel.
+  /// Adds a row without wheel.
   void add_without_wheel(const VelocityRow& row, double weight, double impulse);
-  /// The same for a row that has the body only.
+  /// Adds a row with body velocities only.
   void add_body(const VelocityRow& row, double weight, double impulse);
-  /// Equations of the wheels' coupling: matrix += weights, right += impulses.
+  /// Adds the equations of the wheels' coupling: matrix += weights, right += impulses.
   void add_wheels(const WheelMatrix& weights, const WheelVector& impulses);
 
-  /// Change of the velocities, wheel rates restricted to basis.leftCols(coordinates). Destroys
-  /// matrix and right.
+  /// Returns the change of the velocities, wheel rates restricted to basis.leftCols(coordinates).
+  /// Destroys matrix and right.
   [[nodiscard]] Velocities solve(const WheelMatrix& basis, int coordinates);
 };
 

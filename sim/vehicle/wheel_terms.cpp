@@ -27,7 +27,7 @@ void set(VelocityRow& row, const Vector3d& linear, const Vector3d& angular, doub
                angular.z(), first,      second,     wheel};
 }
 
-/// Of a scalar element; returns whether its set changed.
+/// Limits a scalar force; returns whether it changed between free and held.
 bool hold(double trial, double limit, double tolerance, bool& held, double& force) {
   if (std::abs(trial) <= limit) {
     const bool changed = held;
@@ -101,7 +101,7 @@ void WheelTerms::begin(double h, const WheelFrame& frame, const Eigen::Matrix3d&
   }
   contact_ = *contact;
   forward_W_ = R_WB * forward;
-  // Of hard ground exactly; on soft soil the sinkage is the last one.
+  // Exact on hard ground; on soft soil it uses the last sinkage.
   const double deflection = contact->depth_m - laws_.sinkage_m;
   const double radius = effective_radius_m(tyre_.parameters(), deflection);
   const double reach = 0.5 * tyre_.contact_length_m(deflection, 2.0 * laws_.sinkage_m);

@@ -45,8 +45,8 @@ class WheelTerms {
   double brake_limit_nm_ = 0.0;
   WheelContact contact_;
   Eigen::Vector3d forward_W_ = Eigen::Vector3d::UnitX();
-  double shift_m_ = 0.0;  ///< Of the lateral force ahead of the wheel's centre.
-  double way_ = 1.0;      ///< Which way the wheel's centre went last: 1 forward, -1 back.
+  double shift_m_ = 0.0;  ///< Distance of the lateral force ahead of the wheel's centre.
+  double way_ = 1.0;      ///< Last direction of the wheel's centre: 1 forward, -1 back.
   VelocityRow normal_;
   VelocityRow along_;
   VelocityRow across_;

@@ -49,18 +49,19 @@ class SteeringActuator {
 [[nodiscard]] std::array<double, 2> ackermann_rad(double angle_rad, double track_m,
                                                   double curvature_1pm);
 
-/// What one wheel does; for tests, status and truth.
+/// State of one wheel; for tests, status and truth.
 struct WheelState {
-  double rate_radps = 0.0;      ///< Against its axle.
+  double rate_radps = 0.0;      ///< Rate against its axle.
   double load_n = 0.0;          ///< Normal force of the ground, never negative.
   double longitudinal_n = 0.0;  ///< On the tyre, forward.
   double lateral_n = 0.0;       ///< On the tyre, left.
   double brake_nm = 0.0;        ///< On the wheel, forward.
   double rolling_nm = 0.0;      ///< Rolling resistance on the wheel, forward.
-  double ploughing_n = 0.0;     ///< Of soft soil on the wheel's centre, forward.
-  double aligning_nm = 0.0;     ///< Of the lateral force about the wheel's centre, left positive.
-  double slide_mps = 0.0;       ///< Of the contact patch over the ground, magnitude.
-  double friction = 0.0;        ///< Of the ground under it.
+  double ploughing_n = 0.0;     ///< Force of soft soil on the wheel's centre, forward.
+  /// Moment of the lateral force about the wheel's centre, left positive.
+  double aligning_nm = 0.0;
+  double slide_mps = 0.0;  ///< Speed of the contact patch over the ground, magnitude.
+  double friction = 0.0;   ///< Friction coefficient of the ground below.
   double sinkage_m = 0.0;
   double rolling_radius_m = 0.0;  ///< Way per radian without slip.
   bool touching = false;
@@ -121,21 +122,21 @@ class WheeledVehicle : public Machine, public VehiclePort, public PowerUnitDefec
   WheeledVehicle(const WheeledVehicleParameters& parameters, const Ground& ground,
                  std::unique_ptr<Driveline> driveline);
 
-  /// One inner step. Leaves the state of before when a result is not finite, and says so by
+  /// Makes one inner step. If a result is not finite, keeps the previous state and calls
   /// record_non_finite().
   virtual void inner_step(double h) = 0;
-  /// Links from the state.
+  /// Computes the links from the state.
   virtual void update_links() = 0;
 
   void record_non_finite(const char* quantity, const char* part);
   [[nodiscard]] const VehicleAxleParameters& axle(std::size_t i) const {
     return i == 0 ? parameters_.front : parameters_.rear;
   }
-  /// Of the wheels of one axle, left and right.
+  /// Returns the steering angles of one axle's wheels, left and right.
   [[nodiscard]] const std::array<double, 2>& steer_rad(std::size_t axle) const {
     return steer_rad_[axle];
   }
-  /// What the brakes of that wheel can hold now.
+  /// Returns the torque that the brakes of that wheel can hold now.
   [[nodiscard]] double brake_limit_nm(std::size_t wheel) const;
   void update_steering();
 
@@ -144,9 +145,9 @@ class WheeledVehicle : public Machine, public VehiclePort, public PowerUnitDefec
   std::unique_ptr<Driveline> driveline_;
   StaticLoads static_;
   ContactSet contact_;
-  double reach_m_;          ///< No point of the vehicle is farther from B's origin.
-  VehicleCommand command_;  ///< As it was asked for.
-  VehicleCommand drive_;    ///< The same with what the travel control makes of it.
+  double reach_m_;  ///< Upper bound of the distance of the vehicle's points from B's origin.
+  VehicleCommand command_;  ///< Command as received.
+  VehicleCommand drive_;    ///< Command after the travel control.
   std::array<WheelState, kWheels> wheels_;
   std::array<double, 4> suspension_{};
   std::array<LinkMotion, kWheeledLinks.size()> links_;
@@ -159,9 +160,10 @@ class WheeledVehicle : public Machine, public VehiclePort, public PowerUnitDefec
   void update_dust();
 
   TravelControl travel_;
-  double brake_share_ = 0.0;  ///< Of the service brake's torque, built up so far.
+  double brake_share_ = 0.0;  ///< Share of the service brake's torque that is built up.
   std::array<double, kImplementEnds> hitch_share_{};  ///< 0 down .. 1 up.
-  std::array<double, kImplementEnds> shaft_share_{};  ///< Of the speed that the engine gives it.
+  /// Share of the shaft's full speed at the engine's speed.
+  std::array<double, kImplementEnds> shaft_share_{};
   double road_dust_kgpm_;
   std::array<DustEmitter, kWheels> dust_;
   Duration inner_span_;

@@ -176,6 +176,8 @@ double VehicleSensors::pressure(double exact_pa, double offset_pa) const {
   return std::max(0.0, quantised(exact_pa + offset_pa, parameters_.pressure_quantum_pa));
 }
 
+// Replaces exact values by readings: encoder ticks or a dead rate, radii and pressures with their
+// errors, ground radar and steering sensors; then computes the odometry from the readings.
 VehicleSample VehicleSensors::measure(const VehicleSample& exact) {
   VehicleSample reading = exact;
   if (!parameters_.perfect) {

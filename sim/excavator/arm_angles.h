@@ -37,9 +37,9 @@ struct ArmAngles {
         link{joint[0], joint[0] + joint[1], joint[0] + stick_bucket} {}
 
   double swing_rad = 0.0;
-  std::array<Turn, 3> joint;  ///< Of boom, stick and bucket against the link before.
-  Turn stick_bucket;          ///< Of the bucket against the boom.
-  std::array<Turn, 3> link;   ///< Of boom, stick and bucket against the upper structure.
+  std::array<Turn, 3> joint;  ///< Boom, stick and bucket, each against the link before it.
+  Turn stick_bucket;          ///< Bucket against the boom.
+  std::array<Turn, 3> link;   ///< Boom, stick and bucket against the upper structure.
 };
 
 }  // namespace rigwire::sim

@@ -81,17 +81,18 @@ class ArmDynamics {
   [[nodiscard]] Eigen::Vector3d tip_C(const JointVector& q_rad) const;
 
  private:
-  /// What evaluate() needs of boom, stick and bucket, each with everything that hangs on it at the
-  /// pin at its end.
+  /// Constants of boom, stick and bucket for evaluate(), each with the outer links at its end pin.
   struct Chain {
-    std::array<double, 3> mass_kg{};             ///< Of the link alone.
-    std::array<double, 3> first_x{}, first_z{};  ///< Of the link alone, kg m.
-    std::array<double, 3> hung_x{}, hung_z{};    ///< With the outer links at its end, kg m.
-    std::array<double, 3> inertia{};             ///< About its own joint, outer links at its end.
-    std::array<double, 3> xx{}, xz{}, zz{};      ///< Second moments of the link alone, kg m2.
-    std::array<double, 3> xy{}, yz{};         ///< The same across the plane, outer links hung on.
-    double swing_inertia = 0.0;               ///< What the angles do not change, kg m2.
-    double upright_x = 0.0, upright_y = 0.0;  ///< First moments that they do not change, kg m.
+    std::array<double, 3> mass_kg{};             ///< Mass of the link alone.
+    std::array<double, 3> first_x{}, first_z{};  ///< First moments of the link alone, kg m.
+    /// First moments with the outer links' mass at its end, kg m.
+    std::array<double, 3> hung_x{}, hung_z{};
+    std::array<double, 3> inertia{};         ///< About its own joint, outer links at its end.
+    std::array<double, 3> xx{}, xz{}, zz{};  ///< Second moments of the link alone, kg m2.
+    std::array<double, 3> xy{}, yz{};  ///< Products across the plane, with the outer links, kg m2.
+    double swing_inertia = 0.0;        ///< Part that is independent of the angles, kg m2.
+    /// First moments that are independent of the angles, kg m.
+    double upright_x = 0.0, upright_y = 0.0;
   };
   void hang();
 

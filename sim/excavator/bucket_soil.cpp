@@ -9,12 +9,13 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr double kAhead = 0.75;  // Cells ahead of the lip, where the surface is as yet uncut.
-constexpr double kSupportDepth_m = 0.1;  // From which on the soil ahead closes the opening.
+constexpr double kAhead = 0.75;  // Cells ahead of the lip, where the surface is still uncut.
+constexpr double kSupportDepth_m = 0.1;  // Depth from which the soil ahead closes the opening.
 constexpr double kHardForceMax_n = 4e6;  // Far beyond what a cylinder can push.
-constexpr double kLeastOutflow = 0.02;   // Of the heaped capacity for each outflow time.
+// Minimum outflow, as a share of the heaped capacity per outflow time.
+constexpr double kLeastOutflow = 0.02;
 constexpr int kDegrees = 360;
-constexpr int kPoints = 48;  // Counted along each side of the cross-section.
+constexpr int kPoints = 48;  // Number of points along each side of the cross-section.
 
 bool finite(const LinkMotion& motion) {
   return motion.X_WL.matrix().allFinite() && motion.v_WL_W.allFinite() && motion.w_WL_W.allFinite();
@@ -202,7 +203,7 @@ void BucketSoil::place(const LinkMotion& bucket) {
 }
 
 void BucketSoil::release(std::int64_t units) {
-  // Of even density: mass leaves with its share of the volume.
+  // The density is uniform: mass leaves with its share of the volume.
   mass_kg_ = units >= units_
                  ? 0.0
                  : mass_kg_ * (static_cast<double>(units_ - units) / static_cast<double>(units_));
@@ -251,7 +252,7 @@ double BucketCapacity::counted_m3(const BucketSoilParameters& parameters, double
   const auto below = [&](double h, double s, double lip_x) {
     return h <= lip_x * sine + slope * std::abs(s - lip_x * cosine);
   };
-  const double top = half * slope;  // Of the roof, on the side of z < 0.
+  const double top = half * slope;  // Height of the heap on the side of z < 0.
   const double cell_x = opening_m_ / kPoints;
   const double cell_z = (depth_m_ + top) / kPoints;
   double area = 0.0;

@@ -95,21 +95,21 @@ class BucketSoil {
   /// Asked where falling soil ends; null: always on the terrain. Must outlive the bucket.
   void set_fall_obstacle(const FallObstacle* obstacle) { obstacle_ = obstacle; }
 
-  /// Takes so much soil (m3, kg) out of nothing into the bucket: for tests and set-up. It is booked
-  /// as owed by `elsewhere`.
+  /// Adds that much soil (m3, kg) to the bucket without digging it: for tests and set-up. It is
+  /// subtracted from `elsewhere`.
   void fill(double volume_m3, double mass_kg);
 
   [[nodiscard]] double volume_m3() const;
   [[nodiscard]] double mass_kg() const { return mass_kg_; }
-  /// In the bucket and elsewhere, in the terrain's units.
+  /// Soil in the bucket and elsewhere, in the terrain's units.
   [[nodiscard]] std::int64_t units() const { return units_; }
   [[nodiscard]] std::int64_t elsewhere_units() const { return elsewhere_; }
   [[nodiscard]] double elsewhere_m3() const;
 
   [[nodiscard]] const BucketCapacity& capacity() const { return capacity_; }
-  /// Of the lip below the surface ahead, mean over its width; 0 above ground.
+  /// Depth of the lip below the surface ahead, mean over its width; 0 above ground.
   [[nodiscard]] double depth_m() const { return depth_m_; }
-  /// The greatest force that the soil can put against the lip's way forward, at the last load().
+  /// Greatest force of the soil against the lip's way forward, at the last load().
   [[nodiscard]] double resistance_limit_n() const { return limit_n_; }
 
  private:
@@ -121,14 +121,14 @@ class BucketSoil {
     CuttingEdge edge;
     Eigen::Vector3d middle_W;
     Eigen::Vector3d left_W;     ///< Horizontal unit along the edge.
-    Eigen::Vector3d forward_W;  ///< Horizontal unit, where the opening looks.
+    Eigen::Vector3d forward_W;  ///< Horizontal unit vector, out of the opening.
     Eigen::Vector3d blade_W;    ///< Unit, along the floor out over the teeth.
     Eigen::Vector3d rear_W;     ///< Middle of the rear lip.
   };
 
   [[nodiscard]] Lip lip_of(const Eigen::Isometry3d& X_WB) const;
   [[nodiscard]] double depth_ahead_m(const Lip& lip) const;
-  /// Of the rock, or an obstacle's top, over the deeper corner; 0 above it.
+  /// Depth of the deeper corner below the terrain's floor (rock, hard ground); 0 above it.
   [[nodiscard]] double hard_depth_m(const Lip& lip) const;
   [[nodiscard]] double cutting_limit_n(const Lip& lip, const SoilParameters& soil) const;
   [[nodiscard]] double side_limit_n(const SoilParameters& soil) const;

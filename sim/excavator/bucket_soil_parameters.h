@@ -11,15 +11,15 @@ namespace rigwire::sim {
 /// whose depth follows from the capacity. Every number is an estimate for an 18 t machine.
 struct BucketSoilParameters {
   double width_m = 1.10;
-  double rear_lip_m = 0.25;          ///< From the pin to where the opening begins.
+  double rear_lip_m = 0.25;          ///< From the pin to the beginning of the opening.
   double struck_capacity_m3 = 0.55;  ///< Level with the opening.
   double heap_repose_rad = 0.6458;   ///< Steepest slope of the soil on top; sets the heap.
   double lip_angle_rad = 0.60;       ///< Between the floor at the teeth and the bucket's x.
-  double edge_resistance_pa = 2e4;   ///< Of the teeth: force over width times depth.
-  double ramp_speed_mps = 2e-4;      ///< Of the edge at which the soil's full resistance acts.
-  double outflow_time_s = 0.35;      ///< In which all but 1/e of what cannot stay leaves.
-  double pour_radius_m = 0.40;       ///< Of the cone in which soil lands.
-  double hard_stiffness_npm = 2e7;   ///< Teeth on rock.
+  double edge_resistance_pa = 2e4;   ///< Resistance of the teeth: force over width times depth.
+  double ramp_speed_mps = 2e-4;  ///< Speed of the edge from which the soil's resistance is full.
+  double outflow_time_s = 0.35;  ///< Time in which all but 1/e of the soil that cannot stay leaves.
+  double pour_radius_m = 0.40;   ///< Radius of the cone in which soil is deposited.
+  double hard_stiffness_npm = 2e7;  ///< Teeth on rock.
   double hard_damping_nspm = 1e5;
   double hard_friction = 0.5;
 

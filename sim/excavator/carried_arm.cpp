@@ -12,10 +12,12 @@ namespace {
 
 constexpr double kFree = 1e300;
 constexpr int kPassesMax = 24;
-constexpr int kSwitchesMax = 4;            // Of one force: to a limit, back, to a limit, back.
-constexpr double kStopReach_m = 0.005;     // Nearer than this to its stop a cylinder feels it.
-constexpr double kPadShear_m = 0.005;      // K of steel pads on hard ground.
-constexpr double kPloughingWind_m = 0.01;  // Of the bristle by which pressed soil resists.
+constexpr int kSwitchesMax = 4;  // Per force: to a limit, back, to a limit, back.
+// Distance from a cylinder's stop within which the stop acts.
+constexpr double kStopReach_m = 0.005;
+constexpr double kPadShear_m = 0.005;  // K of steel pads on hard ground.
+// Deflection of the bristle that represents the resistance of pressed soil.
+constexpr double kPloughingWind_m = 0.01;
 constexpr double kLeavesRut_mps = 1e-3;
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
@@ -101,7 +103,7 @@ void CarriedArm::make_tracks() {
       const bool end = k == 0 || k == p.stations - 1;
       const double share = (end ? 0.5 : 1.0) / gaps;
       const double along = p.length_m * (k / gaps - 0.5);
-      // Of an end's half the middle is a quarter of a gap from the end.
+      // The middle of an end's half gap is a quarter of a gap from the end.
       const double inwards = (end ? 0.25 : 0.0) * p.length_m / gaps;
       Plate& plate = plates_.emplace_back();
       plate.plate = GroundPlate(

@@ -68,33 +68,33 @@ class CarriedArm {
                const BucketLoad& load, ArmState& state, ContactSet* contacts = nullptr,
                std::span<CarrierDrive> drives = {}, OwnContact* own = nullptr);
 
-  /// Poses and velocities of the links now, for the contact.
+  /// Writes the current poses and velocities of the links, for the contact.
   void place_contact_links(const ArmState& state, std::span<ContactLink> links) const;
 
-  /// Undercarriage and links at the last step's end.
+  /// Returns the motion of undercarriage and links at the last step's end.
   [[nodiscard]] std::array<LinkMotion, 5> motion(const ArmState& state) const;
 
   [[nodiscard]] const Eigen::Isometry3d& X_WC() const { return X_WC_; }
-  /// Where the machine is from now on, at rest and off its bristles.
+  /// Sets the pose of the machine, at rest and with straight bristles.
   void place(const Eigen::Isometry3d& X_WC);
-  /// Of the undercarriage, in its own frame, now.
+  /// Velocity of the undercarriage in its own frame.
   [[nodiscard]] Eigen::Vector3d w_C() const { return velocity_.head<3>(); }
   [[nodiscard]] Eigen::Vector3d v_C() const { return velocity_.segment<3>(3); }
   void set_velocity(const Eigen::Vector3d& w_C, const Eigen::Vector3d& v_C);
   [[nodiscard]] bool finite() const { return X_WC_.matrix().allFinite() && velocity_.allFinite(); }
-  /// Of the last step: normal forces front left, front right, rear left, rear right.
+  /// Normal forces in the last step: front left, front right, rear left, rear right.
   [[nodiscard]] const std::array<double, kCarrierWheels>& wheel_loads_n() const { return loads_n_; }
-  /// Of the last step: normal forces of the tracks' stations, left from the rear on, then right;
-  /// of the supports' pads, left and right of each. Empty where there are none.
+  /// Normal forces in the last step: of the tracks' stations, left from the rear on, then right; of
+  /// the supports' pads, left and right of each. Empty without tracks or supports.
   [[nodiscard]] std::span<const double> station_loads_n() const {
     return std::span(plate_loads_n_).first(stations_);
   }
   [[nodiscard]] std::span<const double> pad_loads_n() const {
     return std::span(plate_loads_n_).subspan(stations_);
   }
-  /// On the whole track.
+  /// Normal force on the whole track.
   [[nodiscard]] double track_load_n(std::size_t track) const;
-  /// What the soil resists to pressing the tracks' ruts, at most, N.
+  /// Limit of the soil's resistance to pressing the track's rut, N.
   [[nodiscard]] double ploughing_n(std::size_t track) const { return tracks_[track].resistance_n; }
 
   /// Momentum in the world, kg m/s, and angular momentum about the common centre of mass, kg m2/s.
@@ -140,13 +140,13 @@ class CarriedArm {
     GroundPlate plate;
     Eigen::Vector3d at_C = Eigen::Vector3d::Zero();  ///< Middle of its disc; of a pad, raised.
     std::size_t drive = 0;
-    double behind_front_m = 0.0;  ///< Of a track that goes forward: its way from the leading end.
-    double behind_rear_m = 0.0;   ///< Of one that goes backward.
+    double behind_front_m = 0.0;  ///< Distance from the leading end of a track that goes forward.
+    double behind_rear_m = 0.0;   ///< Distance from the leading end of a track that goes backward.
     PlateLaws laws;
     WheelContact contact;
     SoftSoils soils;
   };
-  /// Of one track: the soil that its leading end presses.
+  /// Soil that the leading end of one track presses.
   struct Track {
     Bristle bristle;
     BristleParameters pushing;
@@ -155,12 +155,12 @@ class CarriedArm {
     std::size_t term = 0;
     bool resisted = false;
   };
-  /// What a drive's equation gives up to the machine's in one pass.
+  /// Terms of a drive's equation that are eliminated from the machine's in one pass.
   struct Eliminated {
     Velocities b = Velocities::Zero();
     double c = 0.0;
     double d = 1.0;
-    double rate = 0.0;  ///< As found.
+    double rate = 0.0;  ///< Rate found.
   };
 
   [[nodiscard]] Placement place_links(const JointVector& q_rad) const;
@@ -194,20 +194,21 @@ class CarriedArm {
   ArmDynamics::Moments undercarriage_;
   const Ground* ground_;
   double mass_kg_ = 0.0;
-  std::vector<ContactPoint*> contact_points_;  ///< Of this step: with obstacles, then its own.
+  /// Contacts of this step: with obstacles, then the machine's own.
+  std::vector<ContactPoint*> contact_points_;
   std::vector<std::array<Velocities, 3>> contact_rows_;
-  std::vector<Term> terms_;        ///< Of this step, as the two below.
+  std::vector<Term> terms_;        ///< Forces of this step, like the two below.
   std::vector<Footing> footings_;  ///< Wheels, or plates in their order.
   std::vector<Eliminated> eliminated_;
   std::vector<Tyre> tyres_;
   std::array<TyreLaws, kCarrierWheels> tyre_laws_;
   std::vector<Plate> plates_;
-  std::size_t stations_ = 0;  ///< Of the plates, both tracks'.
+  std::size_t stations_ = 0;  ///< Number of plates that are stations, both tracks together.
   std::array<Track, kTracks> tracks_;
   std::vector<double> plate_loads_n_;
   std::array<Eigen::Vector3d, kCarrierWheels> wheel_C_;
   Eigen::Isometry3d X_WC_;
-  Velocities velocity_ = Velocities::Zero();  ///< Joints' as of the last step.
+  Velocities velocity_ = Velocities::Zero();  ///< Joint velocities are those of the last step.
   Velocities acceleration_ = Velocities::Zero();
   std::array<double, kCarrierWheels> loads_n_{};
 };

@@ -8,10 +8,11 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kUnbounded = 1e300;
-constexpr double kRigid = 1e3;     // Level quasi_static: gain over that which stops the mass.
-constexpr double kReturn_s = 0.1;  // Level quasi_static: as the arm's (excavator.cpp).
+// Level quasi_static: gain relative to that which stops the mass in a step.
+constexpr double kRigid = 1e3;
+constexpr double kReturn_s = 0.1;  // Level quasi_static: same as the arm's (excavator.cpp).
 constexpr double kBrakes_mps = 0.05;
-constexpr double kWind_m = 1e-3;  // Of the holding bristle under its greatest force.
+constexpr double kWind_m = 1e-3;  // Deflection of the holding bristle under its maximum force.
 constexpr double kCushionFloor = 0.1;
 constexpr double kTrackStopReach_m = 0.005;
 enum Part : std::size_t { kDrive, kHolding, kStop };

@@ -57,14 +57,14 @@ struct DriveForce {
 
 class CarrierDrive {
  public:
-  /// Of one track. `carried_kg`: what it is damped for.
+  /// Makes the drive of one track. `carried_kg`: mass for its damping.
   CarrierDrive(const ExcavatorParameters& parameters, const TrackParameters& track,
                double carried_kg);
-  /// Of a blade or of outriggers, raised.
+  /// Makes the drive of a blade or of outriggers, raised.
   CarrierDrive(const ExcavatorParameters& parameters, const SupportParameters& support,
                double carried_kg);
 
-  /// False: not a number, the old set point is kept.
+  /// Sets the command. Returns false if it is not a number; the old set point is kept.
   bool command(double opening, bool floating);
 
   // Each step, in this order.
@@ -86,15 +86,15 @@ class CarrierDrive {
   [[nodiscard]] double rate_mps() const { return rate_mps_; }
   [[nodiscard]] double spool() const { return spool_.position(); }
   [[nodiscard]] double flow_m3ps() const { return flow_m3ps_; }
-  /// What the section's spool asks for, whatever the stroke's ends leave of it.
+  /// Flow that the section's spool requests, regardless of the stroke's ends.
   [[nodiscard]] double asked_m3ps() const { return floating_ ? 0.0 : spool_.flow_request_m3ps(); }
   [[nodiscard]] const PortPressures& ports() const { return ports_; }
-  /// Of oil, friction and brake in the last step, N.
+  /// Force of oil, friction and brake in the last step, N.
   [[nodiscard]] double drive_n() const { return forces_[0].force_n; }
   [[nodiscard]] double holding_n() const { return forces_[1].force_n; }
   [[nodiscard]] bool braked() const { return braked_; }
   [[nodiscard]] bool finite() const;
-  /// At rest from now on, where it is.
+  /// Stops at its current position.
   void stop() { rate_mps_ = 0.0; }
 
  private:

@@ -14,16 +14,16 @@ namespace rigwire::sim {
 
 class DiggingExcavator final : public Machine {
  public:
-  /// X_WC: the undercarriage's pose. `ground` is changed by digging and must outlive the machine; a
-  /// moving carrier stands on it.
-  /// The greatest payload is raised to what the heaped bucket holds of the heaviest soil. Throws
-  /// std::invalid_argument as Excavator, BucketSoil and DiggableTerrain do.
+  /// Builds the machine. X_WC: the undercarriage's pose. `ground` is changed by digging and must
+  /// outlive the machine; a moving carrier stands on it. The maximum payload is raised to the
+  /// heaped bucket's capacity of the heaviest soil. Throws std::invalid_argument as Excavator,
+  /// BucketSoil and DiggableTerrain do.
   DiggingExcavator(const ExcavatorParameters& parameters, const DiggingParameters& digging,
                    const Eigen::Isometry3d& X_WC, Ground& ground);
 
-  /// As Excavator::step; one call with N inner steps gives the same bits as N calls.
+  /// Steps like Excavator::step; one call with N inner steps gives the same bits as N calls.
   void step(Duration span) override;
-  /// The bucket moves the soil that lies in its way, whatever that would have cost.
+  /// Moves the soil in the bucket's way along the given motion; the soil's forces are ignored.
   void follow(Duration span, std::span<const LinkMotion> links) override;
 
   [[nodiscard]] SimTime time() const override { return excavator_.time(); }

@@ -8,7 +8,7 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kStopDampingRatio = 0.5;
-// Of one relief valve or resistance: to a limit, back, to a limit, back.
+// Switches of one relief valve or resistance: to a limit, back, to a limit, back.
 constexpr int kDriveSwitchesMax = 4;
 // Stops go on and off at most once each.
 constexpr int kDrivePassesMax =
@@ -216,7 +216,7 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
       const double free = each.offset - each.gain * each.jacobian.dot(state.v_radps + h * a);
       const int beyond = free > each.limit ? 1 : free < -each.limit ? -1 : 0;
       force = yielded[i] == 0 ? free : yielded[i] * each.limit;
-      // The same way back; from one limit to the other it leads through holding.
+      // A limit is also left in steps: the way from one limit to the other leads through holding.
       if (beyond != yielded[i] && switches[i] < kDriveSwitchesMax) {
         ++switches[i];
         yielded[i] = yielded[i] == 0 ? beyond : 0;

@@ -63,9 +63,9 @@ struct ArmContact {
   }
 };
 
-/// A bucket's load (bucket_load.h) as the joints feel it during one step.
+/// Load of a bucket (bucket_load.h) in joint coordinates, during one step.
 struct ArmLoad {
-  JointVector torque = JointVector::Zero();  ///< Given.
+  JointVector torque = JointVector::Zero();  ///< Torque that does not depend on the velocity.
   /// Torque jacobian (offset - gain jacobian . v), the bracket within -limit .. limit.
   struct Resistance {
     JointVector jacobian = JointVector::Zero();
@@ -75,15 +75,17 @@ struct ArmLoad {
   };
   std::array<Resistance, kTipResistances> resistances;
   std::size_t resistance_count = 0;
-  std::span<const ArmContact> contacts;  ///< Of this step; their points find their forces.
+  /// Contacts of this step; their points determine their forces.
+  std::span<const ArmContact> contacts;
 };
 
-/// What one step found.
+/// Result of one step.
 struct ArmStep {
   JointVector acceleration_radps2 = JointVector::Zero();  ///< At the step's end.
-  JointVector force = JointVector::Zero();                ///< Of the drives, within their limits.
-  std::array<bool, kArmJoints> relieved{};  ///< The limit held the force; the target has to give.
-  std::array<double, kTipResistances> resistance_n{};  ///< Of the load, within their limits.
+  JointVector force = JointVector::Zero();  ///< Forces of the drives, within their limits.
+  std::array<bool, kArmJoints> relieved{};  ///< Force is at its limit; the target has to yield.
+  /// Forces of the resistances, within their limits.
+  std::array<double, kTipResistances> resistance_n{};
 };
 
 class DrivenArm {

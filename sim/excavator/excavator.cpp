@@ -14,7 +14,7 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-// Of level quasi_static: its drives' gains over those that stop their mass within a step.
+// Level quasi_static: gains of the drives relative to those that stop their mass within a step.
 constexpr double kRigid = 1e6;
 constexpr std::array<StatusQuantity, 6> kStatusQuantities{{{"swing", "deg"},
                                                            {"boom", "deg"},
@@ -29,7 +29,8 @@ constexpr std::array<TruthField, 7> kTruthFields{{{"joint_rad", 4},
                                                   {"engine_radps", 1},
                                                   {"engine_torque_nm", 1},
                                                   {"pump_flow_m3ps", 1}}};
-constexpr std::size_t kWithoutEngine = 4;  ///< Of these, on pumps constant.
+/// Number of fields without the engine's: pumps are constant.
+constexpr std::size_t kWithoutEngine = 4;
 
 const ExcavatorParameters& validated(const ExcavatorParameters& parameters) {
   validate(parameters);

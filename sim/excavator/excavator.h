@@ -102,11 +102,12 @@ class Excavator final : public Machine,
   /// Boom, stick and bucket from pin to pin, the bucket to its teeth.
   [[nodiscard]] std::vector<BodyPoint> body_points() const override;
 
-  /// Of a moving carrier, which settles on its ground for 5 s before time 0: it slides or tips.
+  /// Returns why a moving carrier does not stay where it was put: it slides or tips. Before time 0
+  /// it settles on its ground for 5 s.
   [[nodiscard]] std::string unsteady_start() const override { return unsteady_start_; }
 
   [[nodiscard]] ValvePort* valve_port() override { return this; }
-  /// None of pumps constant.
+  /// Null with pumps `constant`.
   [[nodiscard]] PowerUnitPort* power_unit_port() override { return power_unit_ ? this : nullptr; }
   [[nodiscard]] PowerUnitSample power_unit_sample(SimTime time) const override;
   [[nodiscard]] EngineData engine_data() const override { return power_unit_->engine_data(); }
@@ -159,9 +160,10 @@ class Excavator final : public Machine,
   [[nodiscard]] std::uint64_t refused_commands() const { return refused_commands_; }
 
   [[nodiscard]] const DrivenArm& arm() const { return arm_; }
-  /// Of the undercarriage: left and right track, then the supports; none on a fixed carrier.
+  /// Drives of the undercarriage: left and right track, then the supports; empty on a fixed
+  /// carrier.
   [[nodiscard]] std::span<const CarrierDrive> carrier_drives() const { return drives_; }
-  /// Nothing on a fixed carrier.
+  /// Null on a fixed carrier.
   [[nodiscard]] const CarriedArm* carried() const { return carried_ ? &*carried_ : nullptr; }
   [[nodiscard]] const Linkages& linkages() const { return arm_.linkages(); }
   [[nodiscard]] const ContactReport* contact_report() const override {
@@ -199,21 +201,23 @@ class Excavator final : public Machine,
   ArmStep advance(double h, const DriveLaws& laws, ArmState& next);
   void make_drives();
   void settle_on_ground();
-  /// Why it does not stay where it was put, after it settled; empty when it does.
+  /// Returns why it does not stay at its initial pose after settling; empty: it stays.
   [[nodiscard]] std::string unsteadiness(const Eigen::Isometry3d& put) const;
-  /// Takes what the solve found unless it is not finite.
+  /// Accepts the solve's result unless it is not finite.
   [[nodiscard]] bool accept(const ArmState& next, const ArmStep& step);
-  /// The bucket's load as torques of the joints, in the pose of now.
+  /// Converts the bucket's load into torques of the joints, in the current pose.
   void place_bucket_load();
-  /// Points of contact for the next solve, and their rows where the carrier is fixed.
+  /// Finds the points of contact for the next solve, and their rows if the carrier is fixed.
   void meet_obstacles(double h);
-  /// A point as the joints of a fixed carrier feel it, on a link, less on the one it meets.
+  /// Adds a point with the rows of a fixed carrier's joints: its link's less those of the other
+  /// link.
   void add_arm_contact(ContactPoint& point, std::size_t inner_link);
   void settle_contacts(double h, const ArmState& next);
-  /// Of all drives, 0 .. 1: level kinematic in front of an obstacle.
+  /// Returns the share of all drives' rates, 0 .. 1, that an obstacle leaves free (level
+  /// kinematic).
   [[nodiscard]] double free_share(double h, const JointVector& rate);
   void hold_strokes();
-  /// `h` seconds after the last time; infinite: at rest for long.
+  /// Updates `h` seconds after the last call; infinite: after a long rest.
   void update_pressures(double h);
   [[nodiscard]] bool record_non_finite(const ArmState& state, const JointVector& acceleration);
   [[nodiscard]] bool at_stroke_end(std::size_t section, double direction) const;
@@ -226,7 +230,7 @@ class Excavator final : public Machine,
   std::vector<CarrierDrive> drives_;  ///< Tracks, then supports; sections 4 on.
   std::optional<CarriedArm> carried_;
   DriveGains closed_gains_;  ///< Gains with no section floating.
-  JointVector rigid_gain_;   ///< Of level quasi_static, N s/m.
+  JointVector rigid_gain_;   ///< Gains of level quasi_static, N s/m.
   std::array<ActuatorChambers, kArmJoints> chambers_;
   std::array<Spool, kArmJoints> spools_;
   std::array<Areas, kArmJoints> areas_;
@@ -237,21 +241,21 @@ class Excavator final : public Machine,
 
   SimTime time_{};
   ArmState state_;
-  ArmPose pose_;  ///< Of state_.
+  ArmPose pose_;  ///< Pose of state_.
   JointVector acceleration_ = JointVector::Zero();
   JointVector position_rate_ = JointVector::Zero();
   JointVector target_ = JointVector::Zero();
   JointVector force_ = JointVector::Zero();
   std::array<double, kArmJoints> flow_{};
-  std::vector<double> requests_m3ps_;  ///< Of all sections.
+  std::vector<double> requests_m3ps_;  ///< Requested flows of all sections.
   std::array<PortPressures, kArmJoints> ports_{};
   double supply_pressure_pa_ = 0.0;
   std::optional<PowerUnit> power_unit_;
   std::optional<ContactSet> contact_;
   std::optional<OwnContact> own_;
   std::array<ContactLink, kLinks> contact_links_;
-  std::vector<ArmContact> arm_contacts_;  ///< Of a fixed carrier.
-  int contact_parts_ = 1;                 ///< Of an inner step in reach of an obstacle.
+  std::vector<ArmContact> arm_contacts_;  ///< Contacts of a fixed carrier.
+  int contact_parts_ = 1;                 ///< Parts of an inner step within reach of an obstacle.
   bool near_ = false;                     ///< Obstacles may be within reach in this step.
   bool near_itself_ = false;              ///< Its own bodies may be.
   BucketLoad bucket_load_;

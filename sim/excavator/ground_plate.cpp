@@ -7,10 +7,12 @@ namespace rigwire::sim {
 
 namespace {
 
-constexpr double kDampedShare = 0.25;  // Of the reference load, from which the damper is whole.
+// Share of the reference load from which the damper is whole.
+constexpr double kDampedShare = 0.25;
 constexpr double kPrecision = 1e-9;
-constexpr double kUnloading = 5.0;     // Steepness of what is unloaded, over the curve's beginning.
-constexpr double kLeastShear_n = 1.0;  // So that an unloaded bristle is still one.
+// Steepness of unloading, as a multiple of the curve's initial steepness.
+constexpr double kUnloading = 5.0;
+constexpr double kLeastShear_n = 1.0;  // Keeps the bristle's stiffness above 0 without load.
 
 }  // namespace
 

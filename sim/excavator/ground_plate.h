@@ -34,18 +34,18 @@ namespace rigwire::sim {
 
 struct PlateParameters {
   double area_m2 = 0.3;
-  double soil_width_m = 0.6;   ///< b of Bekker's pressure: the smaller side of what bears.
-  double stiffness_npm = 5e6;  ///< Of the plate itself.
+  double soil_width_m = 0.6;   ///< b of Bekker's pressure: the smaller side of the bearing area.
+  double stiffness_npm = 5e6;  ///< Stiffness of the plate itself.
   double damping_nspm = 5e4;   ///< From a quarter of the reference load on.
   double reference_load_n = 1e4;
-  double carried_mass_kg = 1e3;  ///< By which the bristles are damped.
-  double damping_ratio = 0.5;    ///< Of the bristles.
-  double grip = 1.0;             ///< On the ground's coefficient.
+  double carried_mass_kg = 1e3;  ///< Mass for the damping of the bristles.
+  double damping_ratio = 0.5;    ///< Damping ratio of the bristles.
+  double grip = 1.0;             ///< Factor on the ground's coefficient.
   double shear_way_m = 0.005;    ///< K on hard ground.
 };
 
-/// Of one step. `normal` in the speed of the plate along the ground's normal, away positive;
-/// `along` and `across` in the sliding velocity of the plate against the ground.
+/// Force laws of one step. `normal` is linear in the speed of the plate along the ground's normal,
+/// away positive; `along` and `across` in the sliding velocity of the plate against the ground.
 struct PlateLaws : ShearLimit {
   bool touching = false;
   ImplicitForce normal;

@@ -39,8 +39,8 @@ class DirectLinkage {
   DirectLinkage(const Eigen::Vector2d& base_pin_m, const Eigen::Vector2d& rod_pin_m);
 
   [[nodiscard]] CylinderGeometry at(double q_rad) const;
-  /// The same from the angle's cosine and sine. Loses digits where the pins' distances are equal
-  /// and the length goes to zero, which no working range includes.
+  /// Returns the geometry from the angle's cosine and sine. Loses digits where the pins' distances
+  /// are equal and the length goes to zero, which no working range includes.
   [[nodiscard]] CylinderGeometry at(const Turn& q) const;
 
   /// The joint angle with this length, on the branch (`lever_sign` = +1 or -1) asked for, nearest

@@ -54,12 +54,13 @@ class OwnContact {
     finish(h);
   }
 
-  /// Of the last step: the sum of the points' normal forces, N, and who pushes most.
+  /// Results of the last step: the sum of the points' normal forces, N, and the pair that pushes
+  /// most.
   [[nodiscard]] double force_n() const { return force_n_; }
   [[nodiscard]] std::string_view outer() const { return outer_; }
   [[nodiscard]] std::string_view inner() const { return inner_; }
   [[nodiscard]] double deepest_ever_m() const { return deepest_ever_m_; }
-  /// Work taken from the machine since the start, J, what the springs hold included.
+  /// Work taken from the machine since the start, J, including the energy in the springs.
   [[nodiscard]] double lost_j() const { return lost_j_; }
 
  private:

@@ -39,7 +39,7 @@ constexpr std::array<fields::Choice<ExcavatorPumps>, 2> kExcavatorPumps{
     {{ExcavatorPumps::constant, "constant", "They turn as fast as ever, whatever they take."},
      {ExcavatorPumps::engine, "engine", "An engine drives them and slows down under load."}}};
 
-/// Of figures that are computed and only shown.
+/// Formats computed values that are only displayed.
 std::string text(double value) {
   std::ostringstream stream;
   stream.precision(9);
@@ -206,7 +206,7 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
 }
 
 SolidBodyParameters excavator_boxes() {
-  // As a file writes it, to the last bit.
+  // Converts as a configuration file does, to the last bit.
   constexpr auto from_degrees = [](double angle) { return angle * std::numbers::pi / 180.0; };
   SolidBodyParameters solid;
   solid.stiffness_npm = 1e9;

@@ -90,9 +90,8 @@ struct BucketLinkageParameters {
   /// Direction of L in the bucket's frame, upward positive from x (pin to tip). With 100 degrees
   /// the bucket opens 40 degrees beyond the stick's line and curls 139 degrees under it.
   double lug_angle_rad = 100.0 * std::numbers::pi / 180.0;
-  /// Which of the two intersections of the idler's and the link's circles J is: +1 left of the ray
-  /// from K to L (seen with x right and z up), -1 right of it. Never changes while the machine
-  /// runs.
+  /// Intersection of the idler's and the link's circles at which J is: +1 left of the ray from K to
+  /// L (seen with x right and z up), -1 right of it. Never changes while the machine runs.
   int branch = 1;
 };
 void visit(fields::Visitor& v, BucketLinkageParameters& p);
@@ -139,7 +138,8 @@ struct ExcavatorParameters {
   /// The shell hangs on the lug's side of the line from pin to tip.
   RigidBodyParameters bucket{500.0, {0.60, 0.0, 0.20}, {90.0, 110.0, 100.0}};
   Eigen::Vector3d payload_center_of_mass_m{0.65, 0.0, 0.25};  ///< In the bucket's frame.
-  double payload_max_kg = 1200.0;  ///< Of set_payload_kg(); raised to what a digging bucket holds.
+  /// Limit of set_payload_kg(); raised to the capacity of a digging bucket.
+  double payload_max_kg = 1200.0;
 
   double swing_axis_height_m = 1.25;             ///< Slew ring above the ground.
   Eigen::Vector3d boom_foot_m{0.30, 0.0, 0.85};  ///< In the upper structure's frame.
@@ -160,7 +160,7 @@ struct ExcavatorParameters {
 
   SupplyParameters supply;
   ExcavatorPumps pumps = ExcavatorPumps::engine;
-  PowerUnitParameters power_unit;                             ///< Of pumps engine.
+  PowerUnitParameters power_unit;                             ///< Used with pumps `engine`.
   SpoolParameters swing_spool{.flow_max_m3ps = 148.0 / 6e4};  ///< 11 rpm.
   SpoolParameters boom_spool{.flow_max_m3ps = 320.0 / 6e4};
   SpoolParameters stick_spool{.flow_max_m3ps = 280.0 / 6e4};
@@ -170,25 +170,26 @@ struct ExcavatorParameters {
   ChamberParameters chambers;
   ExcavatorLevel level = ExcavatorLevel::dynamic;
   ExcavatorCarrier carrier = ExcavatorCarrier::fixed;
-  RunningGear running_gear = RunningGear::tyres;  ///< Of carrier moving, as the three below.
-  CarrierParameters wheels;                       ///< Of running gear tyres.
-  TrackParameters tracks;                         ///< Of running gear tracks.
-  std::vector<SupportParameters> supports;        ///< Blade, outriggers.
+  /// Used with carrier `moving`, like the three below.
+  RunningGear running_gear = RunningGear::tyres;
+  CarrierParameters wheels;                 ///< Used with running gear `tyres`.
+  TrackParameters tracks;                   ///< Used with running gear `tracks`.
+  std::vector<SupportParameters> supports;  ///< Blade, outriggers.
   double step_s = 1e-3;           ///< Longest inner step; longer calls of step() are divided.
   double gravity_mps2 = 9.80665;  ///< Along world -z.
   ExcavatorPose initial;
   SolidBodyParameters solid = excavator_boxes();
-  bool strikes_itself = true;  ///< Its bodies meet each other, too (own_contact.h).
+  bool strikes_itself = true;  ///< Its own bodies collide with each other (own_contact.h).
 };
 
-/// What the valve sections move, from section 0 on: the arm's four, then with a moving carrier the
-/// tracks and the supports. The names refer to `parameters`.
+/// Returns what the valve sections move, from section 0 on: the arm's four, then with a moving
+/// carrier the tracks and the supports. The names refer to `parameters`.
 [[nodiscard]] std::vector<std::string_view> excavator_actuators(
     const ExcavatorParameters& parameters);
 
-/// Into so many parts, at most, an inner step is divided in reach of an obstacle (contact_parts).
+/// Maximum number of parts of an inner step within reach of an obstacle (contact_parts).
 inline constexpr int kMostContactParts = 200;
-/// Of the links that reach out: with which a contact is followed.
+/// Returns the smallest mass among boom, stick and bucket, which determines the contact's step.
 [[nodiscard]] double lightest_solid_kg(const ExcavatorParameters& parameters);
 
 /// The largest product of step and drive frequency (rad) that is allowed: measured to 0.1 mm there.

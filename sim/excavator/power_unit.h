@@ -34,12 +34,12 @@ namespace rigwire::sim {
 
 struct PowerUnitParameters {
   EngineParameters engine = excavator_engine();
-  double set_radps = rpm(1900);         ///< Of the dial when the run begins.
-  double droop = 0.04;                  ///< Speed without load over that with full, less 1.
-  double ramp_radps2 = rpm(600);        ///< Of the governed speed, per second.
+  double set_radps = rpm(1900);         ///< Initial speed set at the dial.
+  double droop = 0.04;                  ///< Speed without load over speed at full load, less 1.
+  double ramp_radps2 = rpm(600);        ///< Rate limit of the governed speed.
   double auxiliary_nm = 30.0;           ///< Fan, alternator, pilot pump.
-  double pump_rated_radps = rpm(1700);  ///< From here on the flow is whole.
-  double stroke_back = 0.03;  ///< Share of the pumps' flow that they move without being asked.
+  double pump_rated_radps = rpm(1700);  ///< Engine speed from which the full flow is available.
+  double stroke_back = 0.03;            ///< Share of the pumps' flow without any request.
 
   friend bool operator==(const PowerUnitParameters&, const PowerUnitParameters&) = default;
 };

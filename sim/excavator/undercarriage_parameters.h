@@ -14,13 +14,13 @@
 
 namespace rigwire::sim {
 
-/// What a moving undercarriage stands on.
+/// Running gear of a moving undercarriage.
 enum class RunningGear {
   tyres,   ///< Four wheels with their brakes locked, axles rigid.
   tracks,  ///< Two tracks, each with a travel motor and a valve section.
 };
 
-/// Of running gear tyres.
+/// Parameters of running gear `tyres`.
 struct CarrierParameters {
   double wheelbase_m = 2.70;  ///< Wheels at half of it before and behind the swing axis.
   double track_m = 2.00;      ///< Between the middles of left and right tyres (twins as one).
@@ -33,23 +33,24 @@ struct CarrierParameters {
 };
 void visit(fields::Visitor& v, CarrierParameters& p);
 
-/// Of running gear tracks: both are equal, rigid frames with a travel motor each.
+/// Parameters of running gear `tracks`: both are equal, rigid frames with a travel motor each.
 struct TrackParameters {
   double gauge_m = 2.00;       ///< Between the middles of the tracks.
   double length_m = 3.00;      ///< On hard ground, half before and half behind the swing axis.
-  double shoe_width_m = 0.60;  ///< Of what bears.
-  double end_radius_m = 0.37;  ///< Of sprocket and idler, over the shoes.
-  int stations = 7;            ///< Of each track at which the ground is asked; odd.
-  double stiffness_npm = 3e7;  ///< Of a whole track on hard ground.
-  double damping_ratio = 0.7;  ///< Of the track under its share of the mass, along and across too.
-  double grip = 1.0;           ///< Of the shoes, on the ground's coefficient.
-  double shear_way_m = 0.005;  ///< K of Janosi and Hanamoto on hard ground.
-  double resistance = 0.04;    ///< Of rollers and links: force over load.
-  double moving_mass_kg = 1000.0;  ///< What the motor moves, at the shoes: belt, rollers, sprocket.
+  double shoe_width_m = 0.60;  ///< Width of the bearing area.
+  double end_radius_m = 0.37;  ///< Radius of sprocket and idler, over the shoes.
+  int stations = 7;            ///< Contact stations with the ground per track; odd.
+  double stiffness_npm = 3e7;  ///< Stiffness of a whole track on hard ground.
+  /// Damping ratio of a track under its share of the mass, along and across too.
+  double damping_ratio = 0.7;
+  double grip = 1.0;                     ///< Factor of the shoes on the ground's coefficient.
+  double shear_way_m = 0.005;            ///< K of Janosi and Hanamoto on hard ground.
+  double resistance = 0.04;              ///< Resistance of rollers and links: force over load.
+  double moving_mass_kg = 1000.0;        ///< Moved mass at the shoes: belt, rollers, sprocket.
   double displacement_m3prad = 8.64e-4;  ///< Motor and gear together, per radian of the sprocket.
   double sprocket_radius_m = 0.36;       ///< Pitch circle.
   double brake_nm = 4.5e4;               ///< Parking brake, at the sprocket.
-  SpoolParameters spool{.flow_max_m3ps = 200.0 / 6e4};  ///< Of each travel section.
+  SpoolParameters spool{.flow_max_m3ps = 200.0 / 6e4};  ///< Spool of each travel section.
 
   /// Oil per metre of track, m2.
   [[nodiscard]] double area_m2() const { return displacement_m3prad / sprocket_radius_m; }
@@ -58,25 +59,25 @@ void visit(fields::Visitor& v, TrackParameters& p);
 /// Throws std::invalid_argument; also for an even number of stations and for tracks that overlap.
 void validate(const TrackParameters& parameters);
 
-/// What is lowered to the ground by cylinders, square to the undercarriage: a blade, a pair of
-/// outriggers. It bears on two pads, left and right.
+/// A blade or a pair of outriggers that cylinders lower to the ground, square to the undercarriage.
+/// It bears on two pads, left and right.
 struct SupportParameters {
-  std::string name = "blade";  ///< Of its valve section.
-  double x_m = 2.30;           ///< Of the pads' middles.
+  std::string name = "blade";  ///< Name of its valve section.
+  double x_m = 2.30;           ///< Position of the pads' middles.
   double spread_m = 1.60;      ///< From the left to the right pad's middle.
   double pad_length_m = 0.10;
   double pad_width_m = 0.80;
-  double raised_m = 0.45;  ///< Of the pads over the ground, cylinders retracted.
+  double raised_m = 0.45;  ///< Height of the pads over the ground, cylinders retracted.
   double travel_m = 0.85;  ///< Downwards until they are extended.
-  double mass_kg = 450.0;  ///< What moves; part of the undercarriage's mass.
-  double friction = 0.8;   ///< Of the pads, on the ground's coefficient.
+  double mass_kg = 450.0;  ///< Moving mass; part of the undercarriage's mass.
+  double friction = 0.8;   ///< Factor of the pads on the ground's coefficient.
   int cylinders = 2;
   double bore_m = 0.110;
   double rod_m = 0.070;
-  double stroke_m = 0.425;  ///< Of the cylinders, for the whole travel.
+  double stroke_m = 0.425;  ///< Stroke of the cylinders, for the whole travel.
   SpoolParameters spool{.flow_max_m3ps = 60.0 / 6e4};
 
-  /// Oil per metre of the pads' way, m2: what lowers, what raises.
+  /// Oil per metre of the pads' way, m2: lowering and raising.
   [[nodiscard]] double lowering_area_m2() const;
   [[nodiscard]] double raising_area_m2() const;
 };

@@ -139,7 +139,7 @@ inline constexpr std::size_t kChassisPoints = 16;
 /// the boxes (solid). Obstacles contact only the boxes.
 struct ChassisContactParameters {
   std::vector<ChassisPoint> points;  ///< At most kChassisPoints.
-  double stiffness_npm = 4.0e7;      ///< As stiff as the boxes, with the same damping.
+  double stiffness_npm = 4.0e7;  ///< Same stiffness as the boxes; the damping below is theirs, too.
   double damping_nspm = 3.6e5;
 };
 void visit(fields::Visitor& v, ChassisContactParameters& p);

@@ -36,7 +36,7 @@ struct CycleSettings {
   double bucket_attack_rad = -20.0 * kDegree;
   double bucket_curled_rad = -105.0 * kDegree;
   double bucket_open_rad = -10.0 * kDegree;
-  double level_pitch_rad = -178.0 * kDegree;  ///< Of the bucket, where it holds most.
+  double level_pitch_rad = -178.0 * kDegree;  ///< Pitch of the bucket at which it holds most.
   double carry_boom_rad = 55.0 * kDegree;     ///< Drawn in: clear of the truck's side.
   double carry_stick_rad = -105.0 * kDegree;
   double dump_boom_rad = 46.0 * kDegree;  ///< Stretched out over the truck.
@@ -55,12 +55,13 @@ struct CycleSettings {
   void validate(const Machine& machine) const;
 };
 
-/// What the lidar says that matters to the cycle.
+/// Measurements that the cycle uses.
 struct View {
   std::optional<double> ground_z_m;  ///< In front of the bucket, upper structure's frame.
-  bool obstacle_left = false;        ///< Something stands in the way of a swing to the left.
+  bool obstacle_left = false;        ///< Something is in the way of a swing to the left.
   bool obstacle_right = false;
-  std::optional<double> boom_force_n;  ///< Of the boom's cylinders, positive as it raises.
+  /// Force of the boom's cylinders by their pressures, positive when it raises.
+  std::optional<double> boom_force_n;
 };
 
 struct CycleOutput {
@@ -120,13 +121,13 @@ class Cycle {
   double phase_time_s_ = 0.0;
   double dig_progress_ = 0.0;  ///< 0 where the tip goes in, 1 at the end of the pull.
   double ground_z_m_ = 0.0;    ///< Chosen on approach, kept through the dig.
-  int stage_ = 0;              ///< Of dump and return.
+  int stage_ = 0;              ///< Stage within dump or return.
   double dwell_s_ = 0.0;       ///< In the dump, with the bucket open.
   double lagging_s_ = 0.0;     ///< In the dig, the arm does not follow.
-  double eased_m_ = 0.0;       ///< By so much the pull has been raised since.
-  bool tare_ = false;          ///< The approach takes the empty bucket's weight first.
+  double eased_m_ = 0.0;       ///< Distance by which the pull has been raised since.
+  bool tare_ = false;          ///< The approach weighs the empty bucket first.
   bool begun_ = false;
-  bool dug_ = false;  ///< Since the last lift: there may be something in the bucket.
+  bool dug_ = false;  ///< Dug since the last lift: there may be something in the bucket.
   bool more_to_dig_ = true;
   double seen_z_m_ = 0.0;                ///< The ground that the lidar saw last.
   std::optional<PerJoint> entered_rad_;  ///< Where the arm was when the phase began.

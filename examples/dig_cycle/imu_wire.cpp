@@ -52,6 +52,8 @@ void ImuWire::learn(std::uint8_t address, std::uint64_t name) {
   }
 }
 
+// Passes pitch rates and specific forces to the estimator, if their figures of merit are usable,
+// and learns the sensors' addresses from their J1939 address claims.
 void ImuWire::receive(const protocols::can::Frame& frame) {
   const auto identifier = j1939::identify(frame);
   if (!identifier) {

@@ -13,8 +13,8 @@ struct LaneSettings {
   double middle_rad = 0.0;   ///< Swing angle of the first lane.
   double sector_rad = 0.0;   ///< To either side of it.
   double spacing_rad = 0.0;  ///< Between neighbours.
-  double depth_m = 0.0;      ///< Of one cut.
-  double deepest_m = 0.0;    ///< Of all cuts, below the ground under the machine.
+  double depth_m = 0.0;      ///< Depth of one cut.
+  double deepest_m = 0.0;    ///< Total depth of all cuts, below the ground under the machine.
 };
 
 class Lanes {

@@ -17,16 +17,16 @@ class LoadScale {
 
   explicit LoadScale(const Machine& machine) : machine_(machine) {}
 
-  /// Forgets the samples of the mean that was begun.
+  /// Discards the samples collected so far.
   void begin() { sum_n_ = 0.0, samples_ = 0; }
-  /// One sample of the boom's force with the arm at rest in the pose of weighing.
+  /// Adds one sample of the boom's force with the arm at rest in the pose of weighing.
   void add(double force_n) { sum_n_ += force_n, ++samples_; }
   [[nodiscard]] bool full() const { return samples_ >= kSamples; }
 
-  /// The mean is that of the empty bucket.
+  /// Stores the mean as that of the empty bucket.
   void tare();
   [[nodiscard]] bool tared() const { return empty_n_.has_value(); }
-  /// Of the mean; nothing before it is full, or without a tare.
+  /// Returns the load by the mean; empty before it is full, or without a tare.
   [[nodiscard]] std::optional<double> load_kg(const PerJoint& angles_rad) const;
 
  private:

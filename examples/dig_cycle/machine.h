@@ -44,9 +44,10 @@ struct Machine {
   double boom_base_z_m = -0.45;
   double boom_rod_x_m = 2.05;
   double boom_rod_z_m = 0.60;
-  double boom_bottom_area_m2 = 0.020774;    ///< Of both cylinders, bore 115 mm.
-  double boom_rod_side_area_m2 = 0.010721;  ///< Of both, rods of 80 mm.
-  /// Where the soil's weight acts: from the bucket's pin towards the tip, and into the shell.
+  double boom_bottom_area_m2 = 0.020774;    ///< Area of both cylinders, bore 115 mm.
+  double boom_rod_side_area_m2 = 0.010721;  ///< Area of both, rods of 80 mm.
+  /// Point at which the soil's weight acts: from the bucket's pin towards the tip, and into the
+  /// shell.
   double load_x_m = 0.65;
   double load_z_m = 0.25;
 };

@@ -24,7 +24,7 @@ struct Options {
   std::string can = "auto";
   std::string modbus_host = "127.0.0.1";
   std::uint16_t modbus_port = 1502;
-  std::string modbus_path;  ///< Of a serial line; empty: TCP.
+  std::string modbus_path;  ///< Device of a serial line; empty: TCP.
   std::uint32_t modbus_baud = 115200;
   std::string log;                       ///< Empty: no log.
   std::chrono::nanoseconds duration{0};  ///< 0: for ever.

@@ -155,6 +155,8 @@ void Program::tend_wires() {
   }
 }
 
+/// Makes one step of the cycle. The boom's force is that of its cylinders' pressures: bottom
+/// pressure times bottom area less rod side pressure times rod side area.
 void Program::work(double step_s) {
   CycleOutput output;
   if (state_ == State::working) {

@@ -28,6 +28,8 @@ Surroundings::Surroundings(const SurroundingsSettings& settings) : settings_(set
   ground_z_m_.reserve(kGroundCapacity);
 }
 
+/// Sorts one point: on the own body or arm (ignored), ground or nearest range in the sector ahead,
+/// or obstacle in the sector that a swing would sweep.
 void Surroundings::add(const LidarPoint& point, const ArmShape& arm) {
   const auto [x_m, y_m, z_m] = settings_.mount.to_body(point);
 

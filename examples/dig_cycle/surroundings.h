@@ -27,12 +27,12 @@ struct SurroundingsSettings {
   double ground_inner_m = 5.5;  ///< From the swing axis.
   double ground_outer_m = 9.0;
   std::size_t least_ground_points = 30;
-  /// Of the points' heights, the share that lies below what counts as ground.
+  /// Quantile of the points' heights that counts as the ground.
   double ground_quantile = 0.3;
-  /// Everything so near to the line of the own arm is the own arm.
+  /// Points so near to the line of the own arm belong to the arm.
   double arm_half_width_m = 0.9;
   double arm_half_height_m = 1.0;
-  /// The swing is looked at from here to there, to either side.
+  /// Sector in which a swing is checked for obstacles, to either side.
   double obstacle_inner_rad = 8.0 * kDegree;
   double obstacle_outer_rad = 35.0 * kDegree;
   double obstacle_below_m = 0.7;   ///< Below tip and bucket pin: the shell's depth and room.

@@ -86,8 +86,8 @@ class ValveWire {
   std::optional<ValveState> state_;
   std::string error_ = "not connected yet";
   bool stopping_ = false;
-  std::uint16_t heartbeat_ = 0;  ///< Of the thread.
-  bool reset_written_ = false;   ///< Of the thread: the reset bit acts on its edge.
+  std::uint16_t heartbeat_ = 0;  ///< Used by the thread only.
+  bool reset_written_ = false;   ///< Used by the thread only: the reset bit acts on its edge.
   std::thread thread_;
 };
 

@@ -8,13 +8,13 @@
 #include <cstdint>
 #include <optional>
 
-/// Of slope sensor information 2 (SSI2, PGN 61481, SAE J1939DA) of the unit at address 0x81.
+/// Reads slope sensor information 2 (SSI2, PGN 61481, SAE J1939DA) of the unit at address 0x81.
 class BoomWatch {
  public:
-  /// Not heard for so long, the inclination is unknown: five of its messages at 100 Hz.
+  /// Time without a message after which the inclination is unknown: five messages at 100 Hz.
   static constexpr std::chrono::milliseconds kSilence{50};
 
-  /// A frame with a 29-bit identifier; all but the unit's are ignored.
+  /// Reads a frame with a 29-bit identifier; ignores all but the unit's.
   void receive(std::chrono::nanoseconds at, std::uint32_t id,
                const std::array<std::uint8_t, 8>& data) {
     constexpr std::uint32_t kPgnAndSource = 0x03FFFFFF;  // J1939-21: less the priority
@@ -29,7 +29,7 @@ class BoomWatch {
     pitch_deg_ = raw < kErrorOrMore ? std::optional(raw / 32768.0 - 250.0)  // SPN 3318
                                     : std::nullopt;
   }
-  /// Of the boom above the horizon; nothing when it is not known.
+  /// Inclination of the boom above the horizon; empty when it is not known.
   [[nodiscard]] std::optional<double> inclination_deg(std::chrono::nanoseconds now) const {
     return pitch_deg_ && now - heard_ < kSilence ? pitch_deg_ : std::nullopt;
   }

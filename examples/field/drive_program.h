@@ -39,16 +39,16 @@ namespace rigwire::field {
 struct DriveOptions {
   std::string gnss = "/tmp/rigwire/gnss";
   std::uint32_t gnss_baud = 115200;
-  FixKind least_fix = FixKind::autonomous;  ///< With which the drive begins.
+  FixKind least_fix = FixKind::autonomous;  ///< Minimum kind of fix at which the drive begins.
   std::string can = "auto";
-  std::optional<std::uint16_t> lidar_port;  ///< Nothing: there is no lidar.
+  std::optional<std::uint16_t> lidar_port;  ///< Empty: there is no lidar.
   std::string lidar_address = "127.0.0.1";
   LidarMount lidar_mount;  ///< In the frame of the odometry's reference point.
   VehicleWireSettings vehicle;
   PoseEstimatorSettings estimator;
   std::string log;                       ///< Empty: no log.
   std::chrono::nanoseconds duration{0};  ///< 0: for ever.
-  double silence_factor = 1.0;           ///< Of the silence that is allowed to each device.
+  double silence_factor = 1.0;           ///< Factor on the silence that is allowed to each device.
   /// The odometry's reference point is between all wheels, not between the rear ones.
   bool reference_between_axles = false;
   bool quiet = false;

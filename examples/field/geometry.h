@@ -12,11 +12,11 @@ namespace rigwire::field {
 
 inline constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// The same angle within [-pi, pi].
+/// Returns the angle within [-pi, pi].
 [[nodiscard]] inline double wrapped(double angle_rad) {
   return std::remainder(angle_rad, 2.0 * std::numbers::pi);
 }
-/// Between compass and left from east, either way.
+/// Converts between compass and left from east, in either direction.
 [[nodiscard]] inline double turned_compass(double angle_rad) {
   return wrapped(0.5 * std::numbers::pi - angle_rad);
 }
@@ -59,7 +59,7 @@ class Polyline {
 
   struct Place {
     double along_m = 0.0;   ///< From the first point, 0 .. length.
-    double offset_m = 0.0;  ///< Of the asked position, left of the path positive.
+    double offset_m = 0.0;  ///< Offset of the given position, left of the path positive.
   };
   /// The nearest place; with `near_m`, only within `window_m` along the path on both sides of it.
   [[nodiscard]] Place nearest(const PlanePosition& position,
@@ -70,19 +70,19 @@ class Polyline {
   [[nodiscard]] PlanePosition at(double along_m) const;
   /// Direction, left from east, averaged over 2 m.
   [[nodiscard]] double direction_rad(double along_m) const;
-  /// Change of direction by way, left positive, over 4 m.
+  /// Returns the change of direction per way, left positive, over 4 m.
   [[nodiscard]] double curvature_1pm(double along_m) const;
 
   [[nodiscard]] double length_m() const { return length_m_; }
   [[nodiscard]] bool closed() const { return closed_; }
-  /// Within 0 .. length on a closed path; unchanged on an open one.
+  /// Returns the place within 0 .. length on a closed path; unchanged on an open one.
   [[nodiscard]] double normalised(double along_m) const;
 
  private:
   [[nodiscard]] std::size_t pieces() const { return closed_ ? points_.size() : points_.size() - 1; }
 
   std::vector<PlanePosition> points_;
-  std::vector<double> along_m_;  ///< Of each point.
+  std::vector<double> along_m_;  ///< Distance of each point along the path.
   bool closed_;
   double length_m_ = 0.0;
 };

@@ -111,22 +111,22 @@ class GigeClient {
   void receive_control(Instant now, std::span<const std::uint8_t> datagram);
   void receive_stream(Instant now, std::span<const std::uint8_t> datagram);
   void advance(Instant now);
-  /// When advance() has something to do.
+  /// Returns the time at which advance() has something to do.
   [[nodiscard]] Instant next_event() const;
 
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] const GigeIdentity& identity() const { return identity_; }
-  /// Why the last session failed or ended; empty: none did, or the camera streams again.
+  /// Reason why the last session failed or ended; empty: none did, or the camera streams again.
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
-  /// Of the readings; nothing when the camera does not have it.
+  /// Value of a reading; empty when the camera does not have it.
   [[nodiscard]] std::optional<double> reading(std::string_view feature) const;
-  /// The number in a block's chunk that belongs to a feature; nothing when it is not there.
+  /// Returns the number in a block's chunk that belongs to a feature; empty if it is not there.
   [[nodiscard]] std::optional<double> chunk(const GigeBlock& block, std::string_view feature) const;
   [[nodiscard]] std::uint32_t packet_size() const { return packet_size_; }
-  /// Ticks of the camera's clock per second; 0: it does not say.
+  /// Ticks of the camera's clock per second; 0: unknown.
   [[nodiscard]] double tick_frequency_hz() const { return tick_frequency_hz_; }
   [[nodiscard]] const GigeClientCounters& counters() const { return counters_; }
-  /// Of all sessions together.
+  /// Returns the counters of all sessions together.
   [[nodiscard]] GigeStreamCounters stream_counters() const;
 
  private:
@@ -197,13 +197,13 @@ class GigeClient {
   bool controls_ = false;
   bool can_resend_ = false;
   std::uint32_t packet_size_ = 0;
-  std::vector<std::uint32_t> sizes_;        ///< Of packets, still to be tried.
-  std::uint32_t test_size_ = 0;             ///< Tested at present.
-  std::optional<std::size_t> test_packet_;  ///< Bytes that came last of a test.
+  std::vector<std::uint32_t> sizes_;        ///< Packet sizes still to be tried.
+  std::uint32_t test_size_ = 0;             ///< Packet size being tested.
+  std::optional<std::size_t> test_packet_;  ///< Bytes received last in a test.
   std::optional<Instant> test_until_;
   double tick_frequency_hz_ = 0.0;
   std::optional<GigeStream> stream_;
-  GigeStreamCounters before_;  ///< Of earlier streams.
+  GigeStreamCounters before_;  ///< Counters of earlier streams.
 
   GigeIdentity identity_;
   std::string trouble_;

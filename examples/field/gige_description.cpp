@@ -136,7 +136,7 @@ bool is_register(std::string_view type) {
   return type == "IntReg" || type == "MaskedIntReg" || type == "FloatReg" || type == "StringReg";
 }
 
-/// Of a node: the text of the child, or empty.
+/// Returns the text of a node's child, or empty.
 template <class Children>
 std::string_view child(const Children& children, std::string_view name) {
   const auto found = children.find(name);

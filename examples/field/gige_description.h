@@ -43,12 +43,13 @@ struct GigeFeature {
   std::optional<std::uint32_t> chunk;
   /// Distance of the registers of neighbouring values of the selector; 0: there is one register.
   std::uint32_t stride = 0;
-  std::map<std::string, std::int64_t, std::less<>> entries;  ///< Of an enumeration.
+  std::map<std::string, std::int64_t, std::less<>> entries;  ///< Entries of an enumeration.
   std::int64_t on_value = 1;
   std::int64_t off_value = 0;
   std::int64_t command_value = 1;
 
-  /// The number in the feature's own bytes. Precondition: bytes.size() == length <= 8, no text.
+  /// Decodes the number in the feature's own bytes. Precondition: bytes.size() == length <= 8, no
+  /// text.
   [[nodiscard]] double decode(const std::uint8_t* bytes) const;
   /// The bytes with the number in them; what is beside its bits stays as in `bytes`.
   void encode(double number, std::uint8_t* bytes) const;
@@ -72,7 +73,7 @@ class GigeDescription {
   struct Node {
     std::string type;
     std::multimap<std::string, std::string, std::less<>> children;
-    std::uint32_t stride = 0;  ///< Of pIndex.
+    std::uint32_t stride = 0;  ///< Address step of pIndex.
     std::map<std::string, std::int64_t, std::less<>> entries;
   };
 

@@ -28,8 +28,9 @@ namespace rigwire::field {
 
 /// One picture of a block: an image, or one part of several.
 struct GigePicture {
-  protocols::gige_vision::PartLeader info;  ///< Of a plain image: purpose 0.
-  std::span<const std::uint8_t> bytes;      ///< As many as `info` says, padding included.
+  /// Description of the part; purpose 0 for a plain image.
+  protocols::gige_vision::PartLeader info;
+  std::span<const std::uint8_t> bytes;  ///< Size according to `info`, padding included.
 };
 
 /// A whole block. Views hold during the call that hands it over.
@@ -42,13 +43,13 @@ struct GigeBlock {
 
 struct GigeStreamSettings {
   std::size_t packet_size = 1500;  ///< In force, with IP and UDP headers.
-  std::size_t payload_bytes = 0;   ///< Of the longest block.
+  std::size_t payload_bytes = 0;   ///< Payload of the longest block.
   bool resend = true;              ///< The camera sends packets again.
 };
 
 struct GigeStreamCounters {
   std::uint64_t packets = 0;
-  std::uint64_t refused = 0;     ///< Datagrams that are no packets of a block that can be.
+  std::uint64_t refused = 0;     ///< Datagrams that are not packets of a possible block.
   std::uint64_t duplicates = 0;  ///< Packets that were there already, or of a block that is over.
   std::uint64_t asked = 0;       ///< Packets that were asked for again.
   std::uint64_t blocks = 0;      ///< Whole ones.
@@ -67,7 +68,8 @@ class GigeStream {
   static constexpr std::chrono::milliseconds kReordering{2};  ///< Before a gap counts as a loss.
   static constexpr std::chrono::milliseconds kAgain{15};      ///< From request to request.
   static constexpr std::chrono::milliseconds kQuiet{40};  ///< Without a packet: the end is lost.
-  static constexpr int kRequests = 3;  ///< That bring nothing, then the block is dropped.
+  /// Requests without result after which the block is dropped.
+  static constexpr int kRequests = 3;
   static constexpr std::size_t kBlocksAtOnce = 4;
   /// A block farther ahead than this begins with its leader, or is noise.
   static constexpr std::uint64_t kFarAhead = 8;
@@ -92,8 +94,8 @@ class GigeStream {
     std::optional<protocols::gige_vision::Trailer> trailer;
     std::optional<std::uint32_t> last;  ///< Number of the trailer.
     std::vector<bool> have;
-    std::uint32_t present = 0;  ///< How many of `have`.
-    std::size_t end = 0;        ///< Of the bytes that have come.
+    std::uint32_t present = 0;  ///< Number of true entries in `have`.
+    std::size_t end = 0;        ///< End of the received bytes.
     std::vector<std::uint8_t> payload;
     Instant heard{0};
     std::optional<Instant> ask_at;

@@ -8,7 +8,7 @@
 namespace rigwire::field {
 namespace {
 
-/// Of a picture or two, so that a program that thinks for a while loses none.
+/// Size of one or two pictures, so that a program that is busy for a while loses none.
 constexpr int kStreamBuffer_bytes = 8 << 20;
 
 }  // namespace

@@ -46,6 +46,7 @@ void GnssWire::receive(std::span<const std::uint8_t> bytes) {
   pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
+// Takes position, quality and dilution from GGA, speed and course over ground from RMC.
 void GnssWire::take(const nmea::SentenceView& sentence) {
   if (sentence.type() == "GGA") {
     const auto gga = nmea::read_gga(sentence);

@@ -16,16 +16,16 @@
 
 namespace rigwire::field {
 
-/// Kinds of positions, the better the later.
+/// Kinds of positions, in ascending quality.
 enum class FixKind : std::uint8_t { none, autonomous, differential, float_ambiguities, fixed };
 inline constexpr std::array<std::string_view, 5> kFixKinds{"none", "autonomous", "differential",
                                                            "float", "fixed"};
-/// By GGA's quality; what it does not say of corrections, estimated and simulated too, is
-/// `autonomous`.
+/// Returns the kind of fix for GGA's quality. Qualities without corrections, estimated and
+/// simulated included, give `autonomous`.
 [[nodiscard]] FixKind fix_kind(int quality);
 
 struct GnssFixBelief {
-  int quality = 0;  ///< As GGA has it.
+  int quality = 0;  ///< Quality indicator of GGA.
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
   double altitude_m = 0.0;  ///< Above mean sea level.

@@ -51,7 +51,7 @@ class LidarWire {
 
  private:
   Listener listener_;
-  const protocols::velodyne::Model* model_ = nullptr;  ///< Of the packets that came last.
+  const protocols::velodyne::Model* model_ = nullptr;  ///< Model of the last packets.
   std::optional<protocols::velodyne::PointReader> reader_;
   std::vector<protocols::velodyne::Point> points_;
   std::optional<std::uint32_t> time_of_hour_us_;

@@ -48,12 +48,12 @@ class SpinWatch {
     }
   }
   [[nodiscard]] bool spinning() const { return spinning_; }
-  /// Of the last span.
+  /// Distances in the last span.
   [[nodiscard]] double by_wheels_m() const { return by_wheels_m_; }
   [[nodiscard]] double moved_m() const { return moved_m_; }
 
  private:
-  static constexpr double kLeast_m = 6.0;  ///< Above what a receiver wanders.
+  static constexpr double kLeast_m = 6.0;  ///< More than the drift of a receiver's position.
 
   PlanePosition from_;
   double span_s_ = 0.0;

@@ -10,11 +10,11 @@
 namespace rigwire::field {
 namespace {
 
-/// Slower than this is standing.
+/// Speed below which the vehicle counts as standing.
 constexpr double kStanding_mps = 0.02;
-constexpr double kStandingGyro_radps = 0.02;  ///< Of one reading against the bias.
+constexpr double kStandingGyro_radps = 0.02;  ///< Difference of one reading from the bias.
 constexpr double kGate = 5.0;
-/// So many fixes in a row cannot all be wrong: the estimate is.
+/// After so many rejected fixes in a row the estimate itself is wrong.
 constexpr int kMissesAllowed = 5;
 
 double square(double value) {

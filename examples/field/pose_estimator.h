@@ -24,12 +24,12 @@ namespace rigwire::field {
 
 struct PoseEstimatorSettings {
   double gnss_sigma_m = 1.5;        ///< Per axis.
-  double gnss_correlation_s = 5.0;  ///< Of its errors.
+  double gnss_correlation_s = 5.0;  ///< Correlation time of its errors.
   double gnss_age_s = 0.15;         ///< From measurement to arrival.
-  double course_sigma_mps = 0.15;   ///< Of the velocity across, for the course.
+  double course_sigma_mps = 0.15;   ///< Standard deviation of the lateral velocity, for the course.
   double least_course_speed_mps = 0.7;
   double odometry_share = 0.05;    ///< Speed error per speed, correlated over a second.
-  double scale_sigma = 0.04;       ///< Of the odometry's scale at the start.
+  double scale_sigma = 0.04;       ///< Standard deviation of the odometry's scale at the start.
   double scale_walk = 0.002;       ///< 1/sqrt(s), while moving.
   double gyro_sigma = 0.002;       ///< rad/sqrt(s).
   double bias_walk = 2e-4;         ///< rad/s/sqrt(s).
@@ -39,8 +39,8 @@ struct PoseEstimatorSettings {
 };
 
 struct Pose {
-  PlanePosition position;    ///< Of the odometry's reference point.
-  double heading_rad = 0.0;  ///< Of the body's x, left from east.
+  PlanePosition position;    ///< Position of the odometry's reference point.
+  double heading_rad = 0.0;  ///< Heading of the body's x, left from east.
   double speed_mps = 0.0;    ///< By odometry, reverse negative.
   double yaw_rate_radps = 0.0;
   double slip_angle_rad = 0.0;  ///< Course against heading.

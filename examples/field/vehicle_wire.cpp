@@ -115,6 +115,8 @@ void VehicleWire::claim(drivers::CanBus& bus) const {
   (void)bus.send(j1939::make_address_claim(settings_.own, j1939::pack(name)));
 }
 
+/// Encodes the orders as TSC1, TC1 and XBR (J1939), guidance and machine selected speed (ISO
+/// 11783-7) and the gateway's function command, each at its own period.
 void VehicleWire::send(drivers::CanBus& bus, const VehicleOrders& orders) {
   const std::uint64_t tick = ticks_++;
   const auto put = [&](const auto& message) {

@@ -25,9 +25,9 @@ struct VehicleWireSettings {
 struct VehicleReadings {
   std::optional<double> wheel_based_speed_mps;  ///< Reverse negative once the direction is known.
   std::array<double, 4> wheel_mps{};            ///< HRW, without sign: front left .. rear right.
-  std::optional<double> curvature_1pm;          ///< As the machine estimates it, left positive.
-  double slip_angle_rad = 0.0;                  ///< Of the odometry.
-  std::array<double, 2> steer_rad{};            ///< Front, rear.
+  std::optional<double> curvature_1pm;  ///< Curvature estimated by the machine, left positive.
+  double slip_angle_rad = 0.0;          ///< Slip angle of the odometry.
+  std::array<double, 2> steer_rad{};    ///< Front, rear.
   double engine_speed_radps = 0.0;
   std::optional<int> gear;  ///< Engaged.
   bool shifting = false;

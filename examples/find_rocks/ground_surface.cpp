@@ -13,26 +13,27 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr float kNoHeight = std::numeric_limits<float>::infinity();
 
-// Of the search for the plane.
+// Parameters of the search for the plane.
 constexpr int kPlaneStride_px = 8;
 constexpr int kTriples = 400;
 constexpr std::size_t kLeastSamples = 200;
 constexpr double kPlaneTolerance_px = 1.0;
-constexpr double kLeastShare = 0.08;  ///< Of the samples that a plane has near it.
+constexpr double kLeastShare = 0.08;  ///< Minimum share of the samples near a plane.
 constexpr int kRefinements = 3;
 
-// Of the cells.
+// Parameters of the cells.
 constexpr int kCellStride_px = 2;
 constexpr std::size_t kLeastPoints = 4;
-constexpr double kLowQuantile = 0.3;  ///< What a cell's height is.
-/// A cell this much below all around it is a wrong disparity, plus three times its deviation.
+constexpr double kLowQuantile = 0.3;  ///< Quantile that a cell's height is.
+/// A cell that is below its neighbours by more than this and three times its deviation is a wrong
+/// disparity.
 constexpr double kHole_m = 0.25;
-/// Ground that is rough stands out so far without being more than ground.
+/// Height up to which rough ground counts as ground.
 constexpr double kRoughness_m = 0.06;
 
-// Of the membrane: tension against a height known to 1 cm.
+// Parameters of the membrane: tension against a height known to 1 cm.
 constexpr float kTension = 40.0F;
-/// Tension towards cells that are hidden: what is guessed must not bend what is seen.
+/// Tension towards hidden cells: guessed heights must not bend measured ones.
 constexpr float kUnknownLink = 0.1F;
 constexpr int kRelaxations = 80;
 constexpr float kOverRelaxation = 1.6F;

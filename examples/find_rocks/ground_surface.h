@@ -32,11 +32,12 @@ struct CameraMount {
 };
 
 struct GroundSettings {
-  /// Of the camera's matching: half of what 68 % of the ground's disparities err within, 3 to 11 m
-  /// ahead of the stereo cameras of the rigs (0.21 in the pit, 0.18 in the forest).
+  /// Standard deviation of the camera's disparities: half the width of the interval that contains
+  /// 68 % of the errors on the ground, 3 to 11 m ahead of the stereo cameras of the rigs (0.21 in
+  /// the pit, 0.18 in the forest).
   double disparity_sigma_px = 0.18;
   double steepest_deg = 40.0;  ///< Ground is no steeper: loose material rests at 30 to 40.
-  double farthest_m = 25.0;    ///< Along the ground; beyond, nothing is looked at.
+  double farthest_m = 25.0;    ///< Along the ground; nothing beyond it is evaluated.
   double aside_m = 15.0;       ///< To either side.
   double cell_m = 0.25;
   /// The ground's plane is tilted against the picture by no more: sets walls apart.
@@ -50,20 +51,20 @@ class GroundSurface {
   [[nodiscard]] static std::optional<GroundSurface> find(const StereoPicture& picture,
                                                          const GroundSettings& settings);
 
-  /// A point as the ground sees it.
+  /// A point in coordinates of the ground.
   struct Place {
     double ahead_m = 0.0;   ///< Along the plane, from below the camera.
     double left_m = 0.0;    ///< Across.
     double height_m = 0.0;  ///< Above the plane.
   };
   [[nodiscard]] Place place(const Point& point) const;
-  /// Height of the ground above its plane; nothing off the grid.
+  /// Returns the height of the ground above its plane; empty off the grid.
   [[nodiscard]] std::optional<double> height_m(const Place& place) const;
-  /// Of the camera above the plane.
+  /// Returns the height of the camera above the plane.
   [[nodiscard]] double camera_height_m() const { return camera_height_m_; }
-  /// Of the camera's axis below the plane's direction, nose down positive.
+  /// Returns the angle of the camera's axis below the plane's direction, nose down positive.
   [[nodiscard]] double pitch_rad() const { return std::asin(-up_.z); }
-  /// Standard deviation of the height of a pixel at this distance ahead.
+  /// Returns the standard deviation of the height of a pixel at this distance ahead.
   [[nodiscard]] double height_sigma_m(double ahead_m) const;
 
  private:
@@ -83,7 +84,7 @@ class GroundSurface {
 
   GroundSettings settings_;
   double focal_baseline_;
-  int rows_;     ///< Of cells, ahead.
+  int rows_;     ///< Rows of cells, ahead.
   int columns_;  ///< From right to left.
   Point up_;     ///< Unit vectors of the plane, in C.
   Point ahead_;

@@ -20,8 +20,8 @@ struct Options {
   std::uint8_t least_confidence = 128;
   RockSettings rocks;
   std::chrono::nanoseconds duration{0};                          ///< 0: for ever.
-  std::chrono::nanoseconds patience = std::chrono::seconds{10};  ///< With a silent camera.
-  std::chrono::nanoseconds period = std::chrono::seconds{1};     ///< Of the table.
+  std::chrono::nanoseconds patience = std::chrono::seconds{10};  ///< Allowed silence of the camera.
+  std::chrono::nanoseconds period = std::chrono::seconds{1};     ///< Period of the table.
   std::string log;                                               ///< Empty: none.
   std::string csv;                                               ///< Empty: none.
   bool wait = false;

@@ -82,13 +82,13 @@ class Program {
   boost::asio::steady_timer timer_;
   RockTracker tracker_;
   FoundRocks found_;
-  std::deque<double> exposures_us_;  ///< Of the last pictures.
-  std::optional<Taken> next_;        ///< To be looked at.
+  std::deque<double> exposures_us_;  ///< Exposure times of the last pictures.
+  std::optional<Taken> next_;        ///< Next picture to be evaluated.
   bool looking_ = false;
-  std::uint64_t pictures_ = 0;     ///< Looked at.
-  std::uint64_t passed_over_ = 0;  ///< While another one was looked at.
-  std::uint64_t unsettled_ = 0;    ///< While the camera was choosing its exposure.
-  std::uint64_t unusable_ = 0;     ///< Blocks without a disparity that can be read.
+  std::uint64_t pictures_ = 0;     ///< Pictures evaluated.
+  std::uint64_t passed_over_ = 0;  ///< Pictures skipped while another one was evaluated.
+  std::uint64_t unsettled_ = 0;    ///< Pictures taken while the camera was choosing its exposure.
+  std::uint64_t unusable_ = 0;     ///< Blocks without a readable disparity.
   std::string geometry_trouble_;
   std::chrono::nanoseconds heard_{0};
   std::chrono::nanoseconds next_table_{0};

@@ -9,20 +9,20 @@
 namespace rigwire::find_rocks {
 namespace {
 
-/// Of a rock's diameter: what stands above the ground, at least.
+/// Minimum height above the ground, as a share of a rock's diameter.
 constexpr double kLeastHeightShare = 0.3;
 constexpr double kUsualHeightShare = 2.0 / 3.0;
-/// Of a rock's width: flatter is a crest of the ground.
+/// Minimum height over width of a rock; anything flatter is a crest of the ground.
 constexpr double kLeastSlenderness = 0.3;
-/// Of a rock's width: a rock that lies loose is no taller, a bush, a trunk and a post are.
+/// Maximum height over width of a loose rock; bushes, trunks and posts are taller.
 constexpr double kMostSlenderness = 1.2;
 /// A disc fills 0.79 of its rectangle in the picture; disparities that matching has found by chance
 /// fill less, because they are scattered.
 constexpr double kLeastFilling = 1.0 / 3.0;
-/// Of a rock's diameter: how wide it is seen, at least.
+/// Minimum visible width, as a share of a rock's diameter.
 constexpr double kLeastWidthShare = 0.7;
-/// Standard deviations of a pixel's height: beyond the first it may be of a rock, beyond the second
-/// a heap has a height, six of them are contrast enough.
+/// Thresholds in standard deviations of a pixel's height: beyond the first it may belong to a rock,
+/// beyond the second a heap has a height; six give full contrast.
 constexpr double kPixelSigmas = 2.0;
 constexpr double kHeapSigmas = 3.5;
 constexpr double kLeastDisparity_px = 6.0;

@@ -31,42 +31,42 @@ struct PictureArea {
 };
 
 /// A box beside the camera's axes, metres: where the machine's own arm moves. An arm that turns
-/// with the cab never leaves its plane, and so neither its box.
+/// with the cab never leaves its plane, and so stays in its box.
 struct OwnBox {
-  double left_from_m = 0.0;  ///< Of the camera, left positive.
+  double left_from_m = 0.0;  ///< Distance from the camera, left positive.
   double left_to_m = 0.0;
   double ahead_to_m = 0.0;
 };
 
 struct RockSettings {
   double least_m = 0.4;     ///< Diameter of the smallest rock that is reported.
-  double largest_m = 2.5;   ///< Larger is no rock: a truck, a wall, a tree.
+  double largest_m = 2.5;   ///< Larger is not a rock: a truck, a wall, a tree.
   double nearest_m = 2.0;   ///< Ahead along the ground.
-  double farthest_m = 0.0;  ///< 0: as far as the least rock can be told from noise.
+  double farthest_m = 0.0;  ///< 0: as far as the smallest rock can be distinguished from noise.
   std::vector<PictureArea> own_areas;
   std::vector<OwnBox> own_boxes;
   GroundSettings ground;
 };
 
-/// A rock in one picture. Frame as that of a camera's mount: x ahead along the axis, y left, z up.
+/// A rock in one picture. Frame of the camera's mount: x ahead along the axis, y left, z up.
 struct SeenRock {
-  double x_m = 0.0;  ///< Of its middle, as deep as it is wide.
+  double x_m = 0.0;  ///< Position of its middle; its depth is assumed to equal its width.
   double y_m = 0.0;
   double z_m = 0.0;
   double width_m = 0.0;   ///< Across the line of sight.
   double height_m = 0.0;  ///< Above the ground.
   int pixels = 0;
-  /// How far its height is above what noise makes, 0 .. 1: 1 from six standard deviations on.
+  /// Height above the noise, 0 .. 1: 1 from six standard deviations on.
   double contrast = 0.0;
-  PictureArea area;  ///< That it covers.
+  PictureArea area;  ///< Area that it covers.
 };
 
 struct FoundRocks {
   std::vector<SeenRock> rocks;  ///< From near to far.
-  bool ground = false;          ///< There was ground that could be told.
+  bool ground = false;          ///< Ground was found.
   double camera_height_m = 0.0;
-  double pitch_rad = 0.0;    ///< Of the axis below the ground's plane.
-  double farthest_m = 0.0;   ///< That was looked at.
+  double pitch_rad = 0.0;    ///< Angle of the axis below the ground's plane.
+  double farthest_m = 0.0;   ///< Greatest distance that was evaluated.
   double disparities = 0.0;  ///< Share of pixels that had one.
 };
 

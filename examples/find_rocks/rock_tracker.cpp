@@ -23,6 +23,8 @@ double apart(const TrackedRock& track, const SeenRock& rock) {
 
 }  // namespace
 
+/// Assigns rocks to tracks greedily, the nearest pair first, updates the tracks by exponential
+/// averages, drops those unseen in the last kMemory pictures and starts new ones.
 void RockTracker::update(const std::vector<SeenRock>& rocks) {
   for (TrackedRock& track : tracks_) {
     track.seen <<= 1U;

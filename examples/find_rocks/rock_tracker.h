@@ -18,14 +18,14 @@ struct TrackedRock {
   static constexpr std::size_t kMemory = 10;  ///< Pictures.
 
   std::uint64_t number = 0;  ///< From 1.
-  double x_m = 0.0;          ///< As SeenRock, averaged over the pictures.
+  double x_m = 0.0;          ///< Coordinates of SeenRock, averaged over the pictures.
   double y_m = 0.0;
   double z_m = 0.0;
   double width_m = 0.0;
   double height_m = 0.0;
   double contrast = 0.0;
   std::bitset<kMemory> seen;   ///< In the last pictures, the newest in bit 0.
-  std::uint64_t pictures = 0;  ///< In which it was seen.
+  std::uint64_t pictures = 0;  ///< Number of pictures in which it was seen.
 
   /// Share of the last pictures in which it was seen, times its contrast: 0 .. 1.
   [[nodiscard]] double confidence() const {
@@ -35,13 +35,13 @@ struct TrackedRock {
 
 class RockTracker {
  public:
-  /// Of the last pictures in which a rock must have been seen to be reported.
+  /// A rock is reported once it was seen in this many of the last kMemory pictures.
   static constexpr std::size_t kBelieved = 3;
 
   void update(const std::vector<SeenRock>& rocks);
-  /// Those that are believed, from near to far.
+  /// Returns the rocks that are reported, from near to far.
   [[nodiscard]] std::vector<TrackedRock> rocks() const;
-  /// How many were ever believed.
+  /// Number of rocks that were ever reported.
   [[nodiscard]] std::uint64_t numbers() const { return last_number_; }
 
  private:

@@ -19,9 +19,9 @@ struct FollowerSettings {
   double lookahead_most_m = 9.0;
   double curvature_limit_1pm = 0.12;  ///< Tightest circle of the vehicle.
   double off_path_m = 3.5;            ///< Farther away than this, the follower gives up.
-  double laps = 1.0;                  ///< Of a closed path; 0 = for ever.
-  /// Of the curvature by which the vehicle tracks the middle of its bends: share of the lateral
-  /// offset that is steered back beside the pursuit, 1/m^2.
+  double laps = 1.0;                  ///< Laps of a closed path; 0 = for ever.
+  /// Curvature per lateral offset, 1/m^2: is subtracted from the pursuit's curvature, so that the
+  /// vehicle keeps to the path in bends.
   double offset_gain = 0.02;
 
   /// Throws std::invalid_argument naming the member.
@@ -38,8 +38,8 @@ class Follower {
   /// Throws std::invalid_argument.
   Follower(field::Polyline path, const FollowerSettings& settings);
 
-  /// From now on the way is free so far ahead of the vehicle's front, less the distance that it
-  /// keeps; nothing: as far as anybody knows.
+  /// Sets the free way ahead of the vehicle's front, less the distance that it keeps; empty: no
+  /// limit is known.
   void set_free_way(std::optional<double> free_m) { free_m_ = free_m; }
 
   /// Begins at the path's point nearest to the position; returns the direction there.
@@ -47,7 +47,7 @@ class Follower {
   [[nodiscard]] FollowerOutput update(const field::Pose& pose, double step_s);
 
   [[nodiscard]] bool done() const { return done_; }
-  /// Of the path's nearest point, from its first.
+  /// Position of the path's nearest point along the path, from its first point.
   [[nodiscard]] double along_m() const { return along_m_; }
   [[nodiscard]] bool off_path() const { return off_path_; }
   /// Left of the path positive.

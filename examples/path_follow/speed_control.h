@@ -17,9 +17,9 @@ struct SpeedControlSettings {
   double engine_most_radps = 225.0;    ///< 2150 rpm.
   double engine_cruise_radps = 180.0;  ///< The gear is the highest that needs less at the cruise...
   double engine_least_radps = 112.0;   ///< ... and more than this.
-  double gain = 0.8;                   ///< Of the speed error.
+  double gain = 0.8;                   ///< Gain of the speed error.
   double integral_per_s = 0.4;
-  double brake_from_mps = 0.25;  ///< Faster than the wish by this, the brake begins.
+  double brake_from_mps = 0.25;  ///< The brake begins at this much above the set speed.
   double brake_gain_per_s = 1.5;
   double brake_most_mps2 = 3.0;
 };

@@ -9,7 +9,8 @@ namespace rigwire::path_follow {
 namespace {
 
 constexpr double kColumn_m = 0.25;
-constexpr double kAside_m = 15.0;  // As far to either side as points are kept: bends.
+// Points are kept up to this distance to either side, because of bends.
+constexpr double kAside_m = 15.0;
 constexpr double kBackOnPath_m = 10.0;
 constexpr int kToBelieve = 2;
 

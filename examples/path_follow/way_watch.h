@@ -23,11 +23,11 @@ namespace rigwire::path_follow {
 
 struct WayWatchSettings {
   double front_m = 4.8;       ///< The vehicle's front ahead of the odometry's reference point.
-  double half_width_m = 1.5;  ///< What must be free to either side of the line.
-  double reach_m = 30.0;      ///< Farther ahead nothing is looked at.
+  double half_width_m = 1.5;  ///< Half of the width that must be free along the line.
+  double reach_m = 30.0;      ///< Nothing farther ahead is checked.
   double highest_m = 1.6;     ///< Above the reference's ground.
   double lowest_m = -3.0;
-  double least_height_m = 0.5;  ///< Of what stands.
+  double least_height_m = 0.5;  ///< Minimum height of an obstacle.
   std::size_t least_points = 4;
   double blind_m = 5.0;  ///< Ahead of the front.
 
@@ -37,9 +37,9 @@ struct WayWatchSettings {
 
 /// The nearest thing in the way.
 struct Obstruction {
-  double ahead_m = 0.0;   ///< Of the vehicle's front, along the path.
+  double ahead_m = 0.0;   ///< Distance from the vehicle's front, along the path.
   double offset_m = 0.0;  ///< Left of the line positive.
-  double height_m = 0.0;  ///< Of what was seen of it.
+  double height_m = 0.0;  ///< Height of its visible part.
 };
 
 class WayWatch {
@@ -65,8 +65,8 @@ class WayWatch {
   std::size_t columns_across_;
   std::vector<Column> columns_;
   std::optional<Obstruction> believed_;
-  double believed_at_m_ = 0.0;  ///< Of the follower's way, where the front would meet it.
-  int in_a_row_ = 0;            ///< Revolutions that have told otherwise than what is believed.
+  double believed_at_m_ = 0.0;  ///< Value of the follower's way at which the front would touch it.
+  int in_a_row_ = 0;            ///< Successive revolutions that contradict what is believed.
 };
 
 }  // namespace rigwire::path_follow

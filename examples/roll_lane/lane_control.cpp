@@ -40,6 +40,8 @@ void LaneControl::start(const field::PlanePosition& origin, double direction_rad
   leg_ = 0;
 }
 
+/// Feedback of lane_control.h: curvature = line's - w^2 offset - 2 w (course error), less the
+/// change of the crab angle. The speed is limited by the braking way to the end of the leg.
 LaneOutput LaneControl::update(const field::Pose& pose, double step_s) {
   const double east = pose.position.east_m - origin_.east_m;
   const double north = pose.position.north_m - origin_.north_m;

@@ -15,7 +15,7 @@ struct LaneControlSettings {
   double speed_mps = 1.2;
   double acceleration_mps2 = 0.4;
   double braking_mps2 = 0.3;    ///< Planned towards a lane's end.
-  double bandwidth_1pm = 0.22;  ///< w: the line is regained within some 2.5 / w.
+  double bandwidth_1pm = 0.22;  ///< w: the vehicle is back on the line within some 2.5 / w.
   double curvature_limit_1pm = 0.16;
   double off_line_m = 2.5;  ///< Farther off than this it gives up.
   double rest_s = 1.0;      ///< Between two legs.
@@ -25,7 +25,8 @@ struct LaneControlSettings {
 };
 
 struct LaneOutput {
-  double curvature_1pm = 0.0;  ///< Of the body's turn, left positive, as a steering angle is.
+  /// Curvature of the body's turn, left positive, like a steering angle.
+  double curvature_1pm = 0.0;
   double crab_rad = 0.0;
   double speed_mps = 0.0;  ///< Reverse negative.
   bool vibrate = false;
@@ -44,7 +45,7 @@ class LaneControl {
   [[nodiscard]] bool off_line() const { return off_line_; }
   [[nodiscard]] int leg() const { return leg_; }
   [[nodiscard]] double x_m() const { return x_m_; }
-  /// Of the line, left positive in the lanes' frame.
+  /// Offset from the line, left positive in the lanes' frame.
   [[nodiscard]] double offset_m() const { return offset_m_; }
   [[nodiscard]] const LanePlan& plan() const { return plan_; }
 

@@ -9,7 +9,8 @@ namespace rigwire::roll_lane {
 struct LaneMissionSettings {
   LaneSettings lanes;
   LaneControlSettings control;
-  double direction_rad = 0.0;  ///< Of the lanes and of the machine at the start, left from east.
+  /// Direction of the lanes and of the machine at the start, left from east.
+  double direction_rad = 0.0;
   bool vibration = false;
 };
 

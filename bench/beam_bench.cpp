@@ -62,6 +62,7 @@ void add_poles(sim::Scene& scene, sim::RandomStream& random) {
   scene.add_object(wall, X, 1.0, paint(0.4, "wall"));
 }
 
+/// Adds 32 tree crowns of four kinds: 3000 square leaves each, uniform in a ball of 1.6 m radius.
 void add_crowns(sim::Scene& scene, sim::RandomStream& random) {
   constexpr double kCrown_m = 1.6;
   constexpr double kLeaf_m = 0.05;
@@ -191,6 +192,8 @@ SubRayError compare(std::span<const LidarFiring> found, std::span<const LidarFir
 
 }  // namespace
 
+/// Casts the same sector with 1, 5 and 19 sub-rays and with the reference's, per scene; the CPU
+/// time is the least of kRounds.
 std::vector<SubRayError> measure_sub_rays(Duration sector_length) {
   if (sector_length < kLeastSector) {
     throw std::invalid_argument(

@@ -36,7 +36,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kStarts = 20;
 constexpr int kSteps = 2000;
-/// Of the runs two at a time, so many go one by one: their pace is the same from the first on.
+/// Divisor of the number of runs for those one by one: their rate is constant from the first on.
 constexpr int kOneByOneOf = 10;
 constexpr int kRecordingRounds = 2;
 constexpr int kRecorded_s = 5;
@@ -155,9 +155,9 @@ nlohmann::json measure_recording(std::ostream& text) {
     const char* name;
     bool records;
     bool clouds = false;       ///< `/points` of each lidar, a turn a second.
-    double cpu = 0.0;          ///< Of a core, least of the rounds.
+    double cpu = 0.0;          ///< Share of a core, least of the rounds.
     double lateness_us = 0.0;  ///< p99, the greatest of the devices, least of the rounds.
-    double truth_mb_s = 0.0;   ///< Of the MCAP.
+    double truth_mb_s = 0.0;   ///< Data rate of the MCAP file.
   };
   std::vector<Way> ways{{"not recorded", false}, {"recorded", true}, {"and /points", true, true}};
   for (int round = 0; round < kRecordingRounds; ++round) {
@@ -248,7 +248,7 @@ nlohmann::json measure_motion(std::ostream& text) {
   return {{"us", 1e-3 * found.ns}, {"bytes", found.bytes}, {"core", core}, {"mb_per_s", mb_s}};
 }
 
-/// Of the log that is replayed: at no multiple of a slice, a little more than a second apart.
+/// Period of the replayed log: a little more than a second, not a multiple of a slice.
 constexpr std::int64_t kLoggedEvery_us = 1'007'919;
 constexpr int kLoggedFrames = 86'400;
 constexpr std::int64_t kLoggedFrom_us = 1'748'764'800'000'000;  // 2025-06-01 08:00 UTC
@@ -331,6 +331,8 @@ nlohmann::json measure_replay(std::ostream& text) {
           {"wall_s", wall_s}};
 }
 
+/// Measures runs per minute of 2 s of simulated time, one by one and two at a time, each in a
+/// process of its own.
 nlohmann::json measure_many(std::ostream& text) {
   const Table table(text, {{"runs of 2 s", "<16"},
                            {"runs/min", ">10"},

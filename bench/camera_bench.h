@@ -28,9 +28,9 @@ class CameraCase {
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const sim::Scene& scene() const { return *built_.scene; }
-  /// Of all of the sensor, in even daylight, the sun 40 degrees high.
+  /// Returns the job of the whole sensor, in even daylight, the sun 40 degrees high.
   [[nodiscard]] sim::PictureJob job(const sim::CameraParameters& camera) const;
-  /// The same for a camera of any kind: its image alone, of 12 bits.
+  /// Returns a shot of a camera of any kind in the same light: its image alone, of 12 bits.
   [[nodiscard]] sim::CameraShot shot(int width_px, int height_px) const;
   [[nodiscard]] const sim::SkyVisibility& sky() const { return sky_; }
 
@@ -57,11 +57,11 @@ struct PictureCost {
   std::string scene;
   int samples = 1;
   std::size_t pixels = 0;
-  double shadow_share = 0.0;    ///< Rays towards the sun for each one of the camera,
-  double doubtful_share = 0.0;  ///< and those of them that the picture casts.
+  double shadow_share = 0.0;    ///< Rays towards the sun per ray of the camera,
+  double doubtful_share = 0.0;  ///< and those of them that the picture casts, also per camera ray.
   double picture_s = 0.0;       ///< CPU time of the whole picture, sensor included; one thread.
-  double bare_s = 0.0;          ///< Of Embree's calls alone with the same rays.
-  double doubtful_s = 0.0;      ///< The same without shadow rays that are certain to come through.
+  double bare_s = 0.0;          ///< CPU time of Embree's calls alone with the same rays.
+  double doubtful_s = 0.0;      ///< bare_s without shadow rays that are certain to come through.
   double ratio = 0.0;           ///< Bare over picture, median of the rounds.
   double least_ratio = 0.0;
   double greatest_ratio = 0.0;
@@ -115,17 +115,17 @@ struct AirCost {
 
 [[nodiscard]] std::vector<AirCost> measure_air(const CameraCase& scene, int width_px);
 
-/// What a surface's own colour and its picture cost, against the look of its label.
+/// Cost of a surface's own texture in a picture, compared with its label's material.
 struct TextureCost {
   std::string view;
   std::string surface;
-  double pixel_ns = 0.0;    ///< CPU time; one thread.
-  double ratio = 0.0;       ///< To that of the label's look, both the least of the rounds.
-  double rms_levels = 0.0;  ///< As SamplingError, one sample against many.
+  double pixel_ns = 0.0;  ///< CPU time; one thread.
+  double ratio = 0.0;     ///< Time over that of the label's material, both the least of the rounds.
+  double rms_levels = 0.0;  ///< RMS difference of one sample against many, as in SamplingError.
 };
 
-/// Of a wall that fills the picture: seen straight on, where texels are wider than pixels; from
-/// far, where they are narrower; and with its surface slanting away to 80 degrees and more.
+/// Measures a wall that fills the picture: seen straight on, where texels are wider than pixels;
+/// from far, where they are narrower; and with its surface slanting away to 80 degrees and more.
 [[nodiscard]] std::vector<TextureCost> measure_textures(int width_px, int rounds,
                                                         int reference_samples);
 

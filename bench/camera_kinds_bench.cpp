@@ -209,7 +209,7 @@ std::vector<AllRoundCost> measure_all_round(const CameraCase& scene, int referen
     int view_height_px;
     int samples;
   };
-  // Of views as many pixels as rays see in the middle of each.
+  // Views have as many pixels as the ray picture has in the middle of each.
   using Method = sim::AllRoundMethod;
   const std::array ways{Way{"rays", Method::rays, 3, 640, 744, 1},
                         Way{"rays", Method::rays, 3, 640, 744, 4},

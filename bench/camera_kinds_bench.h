@@ -12,38 +12,38 @@
 
 namespace rigwire::bench {
 
-/// Of a band of true depths: what matching makes of it.
+/// Matching result in a band of true depths.
 struct DepthBand {
   double from_m = 0.0;
   double to_m = 0.0;
   double density = 0.0;         ///< Share of its pixels with a disparity.
-  double bad1 = 0.0;            ///< Share of those that are off by more than a pixel.
-  double median_px = 0.0;       ///< Of the disparity's error.
-  double median_m = 0.0;        ///< Of the depth's error.
-  double median_depth_m = 0.0;  ///< Of the true depths.
+  double bad1 = 0.0;            ///< Share of those with an error of more than a pixel.
+  double median_px = 0.0;       ///< Median error of the disparity.
+  double median_m = 0.0;        ///< Median error of the depth.
+  double median_depth_m = 0.0;  ///< Median of the true depths.
 };
 
-/// What confidence is worth: disparities of half of it and more, and how often a right one has more
-/// than a wrong one.
+/// Value of the confidence: disparities with a confidence of at least half, and how often a right
+/// one has a higher confidence than a wrong one.
 struct ConfidenceWorth {
   double density = 0.0;
   double bad1 = 0.0;
   double median_px = 0.0;
-  double told_apart = 0.0;  ///< Area under the curve: 0.5 by chance, 1 always.
+  double told_apart = 0.0;  ///< Area under the ROC curve: 0.5 by chance, 1 always.
 };
 
 struct StereoCost {
   std::string scene;
   std::string matcher;
   double disparity_s = 0.0;   ///< CPU time of matching alone; one thread.
-  double confidence_s = 0.0;  ///< Likewise, what confidence adds.
-  double take_s = 0.0;        ///< Of all of a shot, two pictures, matched; not a number: no shot.
+  double confidence_s = 0.0;  ///< CPU time that the confidence adds; one thread.
+  double take_s = 0.0;  ///< CPU time of a whole shot, two pictures, matched; not a number: no shot.
   DepthBand all;
   ConfidenceWorth sure;
   std::vector<DepthBand> bands;
 };
 
-/// Measures the default stereo camera with `matching`; `name` is that of the matcher in the result.
+/// Measures the default stereo camera with `matching`; `name` names the matcher in the result.
 /// Depths nearer than the search are left out.
 [[nodiscard]] StereoCost measure_stereo(const CameraCase& scene, const std::string& name,
                                         const sim::StereoMatchingParameters& matching, int rounds);
@@ -53,15 +53,16 @@ struct StereoCost {
                                          sim::StereoMatcher& matcher,
                                          const sim::StereoMatchingParameters& searched, int rounds);
 
-/// A way to an all-round picture against the rays of many samples.
+/// A method for an all-round picture compared with rays of many samples.
 struct AllRoundCost {
   std::string scene;
   std::string way;
   int samples = 1;
   double picture_s = 0.0;  ///< CPU time; one thread.
-  std::size_t rays = 0;    ///< Of the camera.
+  std::size_t rays = 0;    ///< Rays of the camera.
   double seen = 0.0;       ///< Share of the picture that is not black.
-  /// Of what is seen, in grey levels of 255 with the mean at 100; the sensor's noise in it.
+  /// Difference in the visible part, in grey levels of 255 with the mean at 100; includes the
+  /// sensor's noise.
   double rms_levels = 0.0;
   double bias_levels = 0.0;
 };

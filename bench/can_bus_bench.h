@@ -8,9 +8,9 @@ namespace rigwire::bench {
 struct CanBusCost {
   std::uint64_t frames = 0;
   double frame_ns = 0.0;                ///< CPU time of one frame: queued, arbitrated, delivered.
-  double wire_frames_per_s = 0.0;       ///< That the wire can carry, back to back.
-  double core_share = 0.0;              ///< Of one core, for a saturated bus in real time.
-  double failed_attempt_ns = 0.0;       ///< CPU time of an attempt that nobody acknowledges.
+  double wire_frames_per_s = 0.0;       ///< Frames that the wire can carry, back to back.
+  double core_share = 0.0;              ///< Share of one core, for a saturated bus in real time.
+  double failed_attempt_ns = 0.0;       ///< CPU time of an attempt that is not acknowledged.
   double worst_arrival_error_ns = 0.0;  ///< Against whole bits from the first edge, rounded once.
 };
 

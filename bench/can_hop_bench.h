@@ -13,17 +13,17 @@ namespace rigwire::bench {
 
 struct CanHopCost {
   std::string hop{};           ///< "slcan on a pty", "vcan0".
-  std::uint64_t sent = 0;      ///< Frames that the device's end has handed over.
-  std::uint64_t received = 0;  ///< Of them, arrived at the reader.
+  std::uint64_t sent = 0;      ///< Frames that the device's end has sent.
+  std::uint64_t received = 0;  ///< Frames that arrived at the reader.
   double device_ns = 0.0;      ///< CPU time of the device's end for one frame.
-  double both_ns = 0.0;        ///< Of both ends and the kernel between them.
+  double both_ns = 0.0;        ///< CPU time of both ends and the kernel between them.
   double per_second = 0.0;     ///< Frames that arrive, wall time.
   double wire_limit_per_second = 0.0;
-  /// Of a core, for the device's end while the wire is saturated.
+  /// Share of a core for the device's end while the wire is saturated.
   [[nodiscard]] double share_of_core() const { return device_ns * 1e-9 * wire_limit_per_second; }
 };
 
-/// Of slcan, and of vcan0 where the host has it up. `frames` each, at least one. Throws
+/// Measures slcan, and vcan0 where the host has it up. `frames` each, at least one. Throws
 /// drivers::EndpointError when no pseudo-terminal can be opened.
 [[nodiscard]] std::vector<CanHopCost> measure_can_hops(std::size_t frames = 50'000);
 

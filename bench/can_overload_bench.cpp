@@ -35,6 +35,8 @@ struct Load {
 
 }  // namespace
 
+// All nodes offer the same load, kOfferedLoad together; the node with the earliest next frame
+// sends, event by event.
 CanOverload measure_can_overload(int seconds) {
   emulators::CanBusModel bus({kCanOverloadBitRate_bps, kQueue});
   emulators::NullFrameOutput nowhere;

@@ -1,5 +1,4 @@
-// Who starves on a CAN bus that is asked for more than it can carry: by arbitration the least
-// urgent identifiers, and only they.
+// Frames lost on an overloaded CAN bus: by arbitration only those of the least urgent identifiers.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +11,9 @@ struct CanOverloadNode {
   std::uint32_t id = 0;
   double offered_per_s = 0.0;
   double sent_per_s = 0.0;
-  double lost_share = 0.0;       ///< Of the frames offered; they found the queue full.
-  double longest_wait_ms = 0.0;  ///< Of frames that left, from wanting to the start of the frame.
+  double lost_share = 0.0;  ///< Share of the offered frames that found the queue full.
+  /// Longest wait of frames that were sent, from the request to the start of the frame.
+  double longest_wait_ms = 0.0;
 };
 
 struct CanOverload {

@@ -21,7 +21,7 @@ class CarriedMachine {
   CarriedMachine(const hil::RigConfiguration& rig, double speed_mps);
 
   [[nodiscard]] double length_m() const { return line_.length_m; }
-  /// To that place of the track, at `time`; the scene is ready to be looked at then. Times rise.
+  /// Moves the machine to that place of the track, at `time`; the scene is ready then. Times rise.
   void place(SimTime time, double along_m);
   [[nodiscard]] const sim::Scene& scene() const { return *built_.scene; }
   [[nodiscard]] sim::LinkMotion motion(const hil::SensorMount& mount) const;
@@ -33,7 +33,7 @@ class CarriedMachine {
   double speed_mps_;
   hil::MachineInScene built_;
   Eigen::Isometry3d X_start_;
-  double height_m_;  ///< Of the first link above the ground.
+  double height_m_;  ///< Height of the first link above the ground.
   Eigen::Isometry3d moved_ = Eigen::Isometry3d::Identity();
   Eigen::Vector3d ahead_W_ = Eigen::Vector3d::UnitX();
   std::vector<sim::BodyMotion> bodies_;

@@ -29,7 +29,8 @@ using sim::Obstacle;
 using Vector = Eigen::Vector3d;
 
 constexpr double kTrunk_m = 0.2;
-constexpr double kLane_m = 40.0;  ///< Of trees beside the way; longer where they would overlap.
+/// Length of the lane of trees beside the way; longer where they would overlap.
+constexpr double kLane_m = 40.0;
 constexpr double kSpeed_mps = 5.0;
 
 /// What a report adds to an outcome, step by step.
@@ -320,6 +321,8 @@ std::vector<ContactCase> contact_cases() {
   return cases;
 }
 
+/// Lets the stack settle for 3 s, then measures drift and energy gain: the greatest fall of lost_j
+/// from its maximum so far.
 StackRest rest_stack(bool awake, double span_s) {
   constexpr double kStep_s = 1e-3;
   constexpr double kSettling_s = 3.0;

@@ -50,9 +50,9 @@ struct ContactCase {
 
 /// Three crates of 1 t on each other for an hour, at 1 ms.
 struct StackRest {
-  bool awake = false;  ///< Woken in each step: what rests by decree is not judged.
+  bool awake = false;  ///< Woken in each step: the model's rest state is excluded.
   double span_s = 0.0;
-  double drift_m = 0.0;  ///< Of the one that went farthest from where it was after 3 s.
+  double drift_m = 0.0;  ///< Drift of the crate that moved farthest from its place after 3 s.
   double gave_j = 0.0;
   double us_per_step = 0.0;  ///< CPU time.
 };

@@ -16,18 +16,18 @@ using Outline = std::vector<Eigen::Vector2d>;
 struct ContactTrace {
   struct Instant {
     double time_s = 0.0;
-    double x_m = 0.0;  ///< Of the machine's front, or of the bucket's tip.
+    double x_m = 0.0;  ///< Position of the machine's front, or of the bucket's tip.
     double z_m = 0.0;
     double force_n = 0.0;
     double deepest_m = 0.0;  ///< Overlap at this instant.
     double dent_m = 0.0;
-    double pressed_m = 0.0;  ///< Of the tyre that is pressed in most.
+    double pressed_m = 0.0;  ///< Compression of the tyre that is pressed in most.
   };
   std::string name;
   std::vector<Instant> instants;  ///< 1 ms apart.
   std::vector<Outline> obstacle;
-  std::vector<Outline> at_touch;  ///< The machine when it first feels something ...
-  std::vector<Outline> at_end;    ///< ... and when it has come farthest.
+  std::vector<Outline> at_touch;  ///< The machine at first contact ...
+  std::vector<Outline> at_end;    ///< ... and at its farthest.
 };
 
 /// Level full, out of gear, the trunk 0.8 m thick and in the middle of the way.

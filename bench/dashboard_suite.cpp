@@ -33,20 +33,20 @@ struct LookedAt {
   const char* rig;
   const char* clock;
 };
-/// One with a lidar of 694 444 shots a second, one with six, which are five million: at half of
-/// real time two processors keep up with them.
+/// One rig with a lidar of 694 444 shots a second, one with six lidars of five million in all: two
+/// processors keep up with these at half of real time.
 constexpr std::array<LookedAt, 2> kRigs{{{"excavator_pit", "real"}, {"lidar_park", "scaled:0.5"}}};
 constexpr int kRounds = 3;
 constexpr std::chrono::seconds kWindow{8};
-/// Before a window, so that start-up is not in it.
+/// Pause before a window, so that start-up is not in it.
 constexpr std::chrono::seconds kSettle{2};
 constexpr std::chrono::seconds kPatience{120};
-/// Of wall time, between two looks at the memory of a run that goes on, and how many.
+/// Wall time between two readings of a run's memory, and their number.
 constexpr std::chrono::seconds kLook{15};
 constexpr int kLooks = 4;
 constexpr double kGoalCore = 0.1;
 constexpr double kGoalPicture_s = 3.0;
-/// From the second look, when queues are as long as they get, to the last; 1e6 bytes.
+/// Growth from the second reading, when queues have their full length, to the last; 1e6 bytes.
 constexpr double kGoalGrowth_mb = 8.0;
 
 /// What the page subscribes to when it is opened (hil/dashboard/).
@@ -62,15 +62,15 @@ bool of_page(std::string_view topic) {
 struct Way {
   const char* name;
   bool dashboard;
-  std::function<bool(std::string_view)> wants;  ///< Empty: nobody looks.
+  std::function<bool(std::string_view)> wants;  ///< Empty: no viewer.
 
-  // Of the rounds the least, as others only add to them.
+  // Least of the rounds, as other processes only add to them.
   double core = std::numeric_limits<double>::infinity();  ///< CPU time per simulated second.
   double p50_us = std::numeric_limits<double>::infinity();
   double p99_us = std::numeric_limits<double>::infinity();
-  double p99_most_us = 0.0;  ///< Of the rounds the greatest: how far chance takes it.
+  double p99_most_us = 0.0;  ///< Greatest of the rounds: scatter by chance.
   double picture_s = std::numeric_limits<double>::infinity();
-  // Of the last round.
+  // Values of the last round.
   double pace = 0.0;  ///< Simulated time per wall time.
   double mb_per_s = 0.0;
   std::uint64_t dropped = 0;

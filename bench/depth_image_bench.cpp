@@ -280,6 +280,8 @@ DepthImageMotionError measure_depth_image_motion(const LidarCase& scene,
   return error;
 }
 
+/// Samples each laser's ring on level ground, 240 points per turn: radius = sqrt(range^2 -
+/// height^2).
 std::vector<DepthImageRing> depth_image_rings(const sim::DepthImageParameters& parameters) {
   constexpr int kPoints = 240;
   constexpr double kLowest_deg = -31.0;

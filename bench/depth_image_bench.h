@@ -28,7 +28,7 @@ struct RangeClassError {
   double to_m = 0.0;
   std::size_t shots = 0;
   double rms_m = 0.0;
-  double p99_m = 0.0;   ///< Of the absolute error, 99 %,
+  double p99_m = 0.0;   ///< 99 % of the absolute errors are below this,
   double p999_m = 0.0;  ///< and 99.9 %.
 };
 
@@ -40,12 +40,12 @@ struct DepthImageError {
   sim::DepthImageParameters parameters;
   std::uint64_t pixels = 0;
   double render_s = 0.0;      ///< CPU time for the images of one revolution.
-  double look_up_s = 0.0;     ///< For its shots.
-  double rays_s = 0.0;        ///< SpinningLidar::cast for the same shots.
-  std::size_t shots = 0;      ///< That have a range by both ways.
-  std::size_t one_sided = 0;  ///< Something by one way, nothing by the other.
-  /// In mid-air: more than 0.3 m off, and from every surface within a pixel and a half around the
-  /// beam.
+  double look_up_s = 0.0;     ///< CPU time of its shots.
+  double rays_s = 0.0;        ///< CPU time of SpinningLidar::cast for the same shots.
+  std::size_t shots = 0;      ///< Shots that have a range by both methods.
+  std::size_t one_sided = 0;  ///< Shots that have a range by one method only.
+  /// Shots in mid-air: more than 0.3 m off, and from every surface within a pixel and a half around
+  /// the beam.
   std::size_t ghosts = 0;
   std::array<RangeClassError, kRangeClasses_m.size()> classes;
 };

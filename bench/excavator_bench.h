@@ -24,9 +24,9 @@ inline constexpr std::array kArmMethods{StepMethod{"linearly_implicit_euler", 1}
 
 struct WorkPrecisionRow {
   StepMethod method = kArmMethods.front();
-  double stiffness_factor = 1.0;  ///< Times the oil's stiffness, damping ratio unchanged.
+  double stiffness_factor = 1.0;  ///< Factor on the oil's stiffness, damping ratio unchanged.
   double step_s = 0.0;
-  double final_error_m = 0.0;     ///< Of the bucket's tip at 4 s; infinite when diverged.
+  double final_error_m = 0.0;     ///< Error of the bucket's tip at 4 s; infinite when diverged.
   double greatest_error_m = 0.0;  ///< Over the reference's 20 ms grid; infinite when diverged.
   double microseconds_per_step = 0.0;
   bool diverged = false;
@@ -37,7 +37,7 @@ struct WorkPrecisionSettings {
   /// Each must divide 20 ms.
   std::vector<double> steps_s{1e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2};
   int repetitions = 5;             ///< Timed runs; the median counts.
-  double reference_step_s = 5e-4;  ///< Of order 4.
+  double reference_step_s = 5e-4;  ///< Step of the reference, which is of order 4.
 };
 
 /// All methods at all stiffnesses and steps. Takes a few seconds per stiffness with the defaults.

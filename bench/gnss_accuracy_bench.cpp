@@ -80,7 +80,8 @@ class AccuracyDays {
   }
 
  private:
-  /// Of both axes about each day's mean, where the antenna moves at both ends.
+  /// Returns the autocorrelation of both axes about each day's mean, over pairs of epochs in
+  /// motion.
   [[nodiscard]] double correlation(std::size_t lag) const {
     double product = 0.0;
     double square = 0.0;

@@ -69,6 +69,8 @@ double model_ns(sim::DilutionKind kind, const std::vector<std::vector<Vector3d>>
   });
 }
 
+/// Compares the regression's DOPs with the geometric ones over a day of GPS skies: geometric mean
+/// and scatter of their ratios, where at least four satellites are visible.
 DilutionCost measure_sky(const OpenSky& sky, const sim::LocalFrame& frame) {
   const auto constellation = sim::make_nominal_constellation(std::array{GnssSystem::gps});
   const Calendar calendar(hil::RigConfiguration{}.start);

@@ -62,15 +62,15 @@ struct ModelError {
   std::string place{};
   std::string model{};          ///< "paper", "coloured", "engine", "RTK float", "RTK fixed".
   double epoch_us = 0.0;        ///< CPU time of one navigation epoch of the sensor, mean.
-  double fixes = 0.0;           ///< Share of the epochs; of RTK, those of that solution.
-  double error_median_m = 0.0;  ///< Horizontal ...
-  double error_95_m = 0.0;      ///< ... and of 95 %.
-  /// Of each epoch's error over its reported HDOP.
+  double fixes = 0.0;           ///< Share of the epochs; for RTK, of epochs with that solution.
+  double error_median_m = 0.0;  ///< Horizontal error, median ...
+  double error_95_m = 0.0;      ///< ... and 95 %.
+  /// Ratio of each epoch's error to its reported HDOP.
   double over_dilution_50_m = 0.0;
   double over_dilution_68_m = 0.0;
   double over_dilution_95_m = 0.0;
-  double step_median_m = 0.0;     ///< Horizontal, of the error, from second to second.
-  double step_correlation = 0.0;  ///< Of its east part at lag 1.
+  double step_median_m = 0.0;     ///< Horizontal change of the error from second to second.
+  double step_correlation = 0.0;  ///< Autocorrelation of its east part at lag 1.
   /// Error squared over accuracy squared, mean.
   double error_over_accuracy = 0.0;
   double dilution_ratio = 0.0;  ///< Reported HDOP over that of the satellites used, median.
@@ -94,19 +94,19 @@ struct ReceiverAccuracy {
   std::string receiver{};
   int days = 0;
   double fixes = 0.0;                     ///< Share of the epochs with a 2D or 3D fix.
-  double error_50_m = 0.0;                ///< Horizontal ...
-  double error_95_m = 0.0;                ///< ... of 95 % ...
+  double error_50_m = 0.0;                ///< Horizontal error: median ...
+  double error_95_m = 0.0;                ///< ... 95 % ...
   double error_most_m = 0.0;              ///< ... and the largest.
-  double up_deviation_m = 0.0;            ///< Of 3D fixes, standard deviation.
-  double horizontal_accuracy_m = 0.0;     ///< As the receiver says it, median.
-  double vertical_over_horizontal = 0.0;  ///< Of its accuracies, median.
+  double up_deviation_m = 0.0;            ///< Standard deviation of 3D fixes.
+  double horizontal_accuracy_m = 0.0;     ///< Accuracy reported by the receiver, median.
+  double vertical_over_horizontal = 0.0;  ///< Ratio of its reported accuracies, median.
   double inside_horizontal = 0.0;         ///< Share of epochs whose error is within its accuracy.
-  double inside_vertical = 0.0;           ///< The same, of 3D fixes.
-  /// Of the horizontal error in motion, after 1, 5 and 10 s.
+  double inside_vertical = 0.0;  ///< Share of 3D fixes whose vertical error is within its accuracy.
+  /// Autocorrelation of the horizontal error in motion, after 1, 5 and 10 s.
   double correlation_1s = 0.0;
   double correlation_5s = 0.0;
   double correlation_10s = 0.0;
-  double satellites = 0.0;  ///< Used, mean.
+  double satellites = 0.0;  ///< Satellites used, mean.
   double rtk_fixed = 0.0;   ///< Share of the epochs.
 };
 /// `campus`, `forest`: rigs whose machines are carried along their tracks.
@@ -117,14 +117,13 @@ struct ReceiverAccuracy {
 
 /// Many receivers on one core: sensors in the rig's scene and their emulators.
 struct ReceiverLoad {
-  /// Errors, and which receiver's messages: "engine", "engine, raw", "engine, ZED-F9P, RAWX,
-  /// SFRBX".
+  /// Errors, and the receiver's messages: "engine", "engine, raw", "engine, ZED-F9P, RAWX, SFRBX".
   std::string model{};
   int receivers = 0;
   double rate_hz = 0.0;
   double sensor_us = 0.0;    ///< CPU time per epoch.
   double emulator_us = 0.0;  ///< CPU time per epoch, all messages of the rig's receiver.
-  double core_share = 0.0;   ///< Of one core, in real time.
+  double core_share = 0.0;   ///< Share of one core, in real time.
 };
 [[nodiscard]] std::vector<ReceiverLoad> measure_receivers(const hil::RigConfiguration& rig,
                                                           int receivers, double rate_hz,

@@ -15,8 +15,8 @@ struct GsUsbCost {
                              ///< of several runs.
   double per_second = 0.0;   ///< Frames that one core carries.
   double wire_limit_per_second = 0.0;  ///< Frames back to back on an otherwise idle bus.
-  double core_share = 0.0;             ///< Of one core while the bus is saturated, 0 .. 1.
-  std::uint64_t wrong = 0;             ///< Frames that arrived otherwise than they were sent.
+  double core_share = 0.0;             ///< Share of one core while the bus is saturated, 0 .. 1.
+  std::uint64_t wrong = 0;             ///< Frames that arrived changed.
 };
 
 /// Both ways, the common frame and the shortest; takes about a second.

@@ -1,4 +1,4 @@
-// What a figure must be read with: the machine, the kernel, its load, the compiler and its flags.
+// Conditions of a measurement: the machine, the kernel, its load, the compiler and its flags.
 #pragma once
 
 #include <array>
@@ -8,14 +8,15 @@ namespace rigwire::bench {
 
 struct HostFacts {
   std::string kernel;     ///< "Linux 6.1.0".
-  std::string processor;  ///< As the kernel names it.
-  unsigned cores = 0;     ///< That this process may use.
+  std::string processor;  ///< Name reported by the kernel.
+  unsigned cores = 0;     ///< Cores that this process may use.
   std::string compiler;   ///< Name and version.
-  std::string flags;      ///< Of optimisation and machine.
+  std::string flags;      ///< Flags of optimisation and machine.
 };
 [[nodiscard]] HostFacts host_facts();
 
-/// Processes that ran or waited, on average over 1, 5 and 15 minutes; zeros when not known.
+/// Returns the number of running or waiting processes, on average over 1, 5 and 15 minutes; zeros
+/// if unknown.
 [[nodiscard]] std::array<double, 3> load_average();
 
 /// Time that the hypervisor gave to others while this machine wanted to run, all cores since boot,

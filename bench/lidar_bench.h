@@ -15,13 +15,13 @@ struct LidarStageCost {
   int slice_ms = 0;
   std::size_t instances = 0;    ///< In the scene.
   std::size_t rays = 0;         ///< In all rounds.
-  std::size_t hits = 0;         ///< Of those.
+  std::size_t hits = 0;         ///< Rays that hit.
   double stage_s = 0.0;         ///< SpinningLidar::cast, noise and echo model included.
   double bare_s = 0.0;          ///< Embree's calls alone.
   double begin_slice_s = 0.0;   ///< Scene::begin_slice, mean of one call; in neither of the above.
   double ratio = 0.0;           ///< Rays per second of stage / bare, median over the rounds.
-  double least_ratio = 0.0;     ///< Of one round.
-  double greatest_ratio = 0.0;  ///< Of one round.
+  double least_ratio = 0.0;     ///< Ratio of the worst round.
+  double greatest_ratio = 0.0;  ///< Ratio of the best round.
 };
 
 /// One entry per length of slice. A round is a revolution of 100 ms. Throws std::invalid_argument

@@ -45,7 +45,8 @@ struct WorldTriangles {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// Of pit_case(): the same triangles as its rays meet, to the rounding of vertices to floats.
+/// Returns the triangles of pit_case(), equal to those that its rays hit, to the rounding of
+/// vertices to floats.
 [[nodiscard]] WorldTriangles pit_triangles();
 
 }  // namespace rigwire::bench

@@ -175,6 +175,8 @@ RebuildInterval measure(int slice_ms, bool blended) {
 
 }  // namespace
 
+/// Casts rays from random poses inside a closed sphere: each must hit, at most a radius and the 15
+/// m of the poses away.
 LidarLeaks count_lidar_leaks(std::uint64_t rays) {
   const FiringPlan plan = firing_plan({});
   sim::Scene scene;

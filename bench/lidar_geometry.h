@@ -30,7 +30,7 @@ struct RebuildInterval {
   double rms_m = 0.0;
   double worst_m = 0.0;
   double begin_slice_s = 0.0;  ///< CPU time of one Scene::begin_slice, mean.
-  double core_share = 0.0;     ///< The same per simulated time.
+  double core_share = 0.0;     ///< CPU time of Scene::begin_slice per simulated time.
 };
 
 /// Ten revolutions at each length, blended and not. Throws std::invalid_argument for a length below

@@ -12,11 +12,11 @@
 
 namespace rigwire::bench {
 
-/// Where a vehicle drives straight on at 5 m/s for some seconds.
+/// A place where a vehicle drives straight on at 5 m/s for some seconds.
 struct LidarLoadPlace {
   std::string name;
   std::unique_ptr<sim::Scene> scene;
-  Eigen::Vector3d start_m = Eigen::Vector3d::Zero();  ///< Of the lidars' middle.
+  Eigen::Vector3d start_m = Eigen::Vector3d::Zero();  ///< Middle of the lidars.
   double yaw_rad = 0.0;
 };
 
@@ -29,9 +29,9 @@ struct LidarLoadPlace {
 
 struct LidarLoadCase {
   int lidars = 1;
-  int threads = 1;  ///< That cast for each lidar, one lidar after the other.
+  int threads = 1;  ///< Threads that cast for each lidar, one lidar after the other.
   int slice_ms = 5;
-  int revolutions = 7;  ///< Of 100 ms.
+  int revolutions = 7;  ///< Number of revolutions of 100 ms.
 };
 
 /// HDL-32E at 10 Hz on the corners of the vehicle, 20 bodies in motion around it.

@@ -15,12 +15,12 @@ struct FiringPlan {
   LidarCommand command;
 };
 
-/// Of a device with these settings.
+/// Returns the plan of a device with these settings.
 [[nodiscard]] FiringPlan firing_plan(const emulators::VelodyneSettings& settings);
 
-/// Nanoseconds of CPU time that the device with these settings needs for a firing: packets
-/// assembled and laid out, sent to nobody. The mean over all of `firings`, which follow each other,
-/// taken over and over for 40 ms.
+/// Returns the CPU time, ns, of a device with these settings for one firing: packets are assembled
+/// and encoded, but not sent. Mean over all of `firings`, which follow each other, repeated for 40
+/// ms.
 [[nodiscard]] double encoding_ns_per_firing(const emulators::VelodyneSettings& settings,
                                             std::span<const LidarFiring> firings);
 

@@ -7,11 +7,11 @@
 
 namespace rigwire::bench {
 
-/// Errors against a closed form in double, of rays that were told to hit.
+/// Errors against a closed form in double, of rays that should hit.
 struct RangeErrorSummary {
   std::size_t rays = 0;
-  std::size_t leaks = 0;  ///< That hit nothing, or something 1 m off.
-  double rms_m = 0.0;     ///< Of the others.
+  std::size_t leaks = 0;  ///< Rays that hit nothing, or something 1 m off.
+  double rms_m = 0.0;     ///< RMS error of the others.
   double p99_m = 0.0;
   double worst_m = 0.0;
 };

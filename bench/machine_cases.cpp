@@ -50,8 +50,8 @@ void dig_hard(sim::Machine& machine, SimTime now) {
   machine.valve_port()->command(command);
 }
 
-/// Who follows a speed: a roller's drive has no accelerator and no neutral. Vehicles are told none,
-/// because their kinematic level would follow it without a drive line.
+/// Drive that follows a speed command: the roller's has no accelerator and no neutral. Vehicles get
+/// none, because their kinematic level would follow it without a drive line.
 enum class Drive { accelerator, hydrostatic };
 
 template <Drive kDrive>

@@ -18,13 +18,13 @@ namespace rigwire::bench {
 
 [[nodiscard]] std::vector<MachineCase> machine_cases();
 
-/// One parameter 20 % off, for its share of the error.
+/// One parameter changed by 20 %, for its share of the error.
 struct MachineVariation {
   std::string quantity;
   MachineCase nominal;
   MachineCase varied;
 };
-/// Of estimated parameters (docs/machines/).
+/// Returns variations of estimated parameters (docs/machines/).
 [[nodiscard]] std::vector<MachineVariation> machine_variations();
 
 }  // namespace rigwire::bench

@@ -49,7 +49,7 @@ Run run(const MachineCase& of, double step_s, Duration call = kGrid) {
   return result;
 }
 
-/// Of that order, from runs of step_s and its parts.
+/// Runs an extrapolation of that order, from runs of step_s and its parts.
 Run run_extrapolated(const MachineCase& of, int order, double step_s) {
   Run sum;
   sum.trace = extrapolated(order, [&](int parts) {

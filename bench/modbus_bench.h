@@ -15,7 +15,7 @@ namespace rigwire::bench {
 
 struct ModbusBenchSettings {
   std::size_t rounds = 10;
-  std::size_t transactions = 2000;  ///< Of each server in each round.
+  std::size_t transactions = 2000;  ///< Transactions of each server in each round.
   std::size_t pipelined = 16;       ///< Requests in one write, for the rate with batches.
 };
 

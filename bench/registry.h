@@ -11,7 +11,7 @@ namespace rigwire::bench {
 /// One suite. `function` measures, writes its table for people to `text`, and returns the same
 /// figures with units in their names. May throw std::exception: the suite failed.
 struct BenchSuite {
-  std::string_view name;  ///< As on the command line.
+  std::string_view name;  ///< Name on the command line.
   std::string_view text;  ///< One line for `rigwire-bench --list`.
   nlohmann::json (*function)(std::ostream& text);
 };

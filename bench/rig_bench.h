@@ -17,15 +17,16 @@
 namespace rigwire::bench {
 
 struct FreeRun {
-  int threads = 1;  ///< That cast rays.
+  int threads = 1;  ///< Threads that cast rays.
   double sim_s = 0.0;
   double wall_s = 0.0;
-  double cpu_s = 0.0;  ///< Of the process during the run.
+  double cpu_s = 0.0;  ///< CPU time of the process during the run.
   double realtime_factor = 0.0;
   double points_per_s = 0.0;  ///< Laser shots cast, encoded and written per second of wall time.
   hil::TruthStages truth;
   hil::WireStages wire;
-  double peak_rss_mb = 0.0;  ///< Of the process so far, the building of the rig included; 1e6 B.
+  /// Peak memory of the process so far, including the building of the rig; 1e6 B.
+  double peak_rss_mb = 0.0;
   std::vector<hil::DeviceReport> devices;
 };
 
@@ -38,7 +39,7 @@ struct FreeRun {
 struct PacedRun {
   hil::RunOutcome outcome;
   double cpu_share = 0.0;       ///< CPU seconds per second of wall time, of the whole process.
-  std::uint64_t exchanges = 0;  ///< Of the Modbus master, that were answered.
+  std::uint64_t exchanges = 0;  ///< Answered exchanges of the Modbus master.
   std::chrono::milliseconds exchange_period{};  ///< Between two of them.
   std::vector<hil::DeviceReport> devices;
 };

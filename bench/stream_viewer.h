@@ -13,13 +13,14 @@ namespace rigwire::bench {
 class StreamViewer {
  public:
   struct Figures {
-    std::uint64_t bytes = 0;     ///< Of all messages so far.
-    std::uint64_t messages = 0;  ///< Likewise.
-    /// From the connection until the scene, each model that it names, the machine's place and,
-    /// where there are lidars, a turn of each were there; negative: they are not yet.
+    std::uint64_t bytes = 0;     ///< Bytes of all messages so far.
+    std::uint64_t messages = 0;  ///< Number of all messages so far.
+    /// Time from the connection until the scene, each model that it names, the machine's pose and,
+    /// if there are lidars, a turn of each were received; negative: not yet.
     double first_picture_s = -1.0;
-    std::uint64_t dropped = 0;    ///< By the server, as it says, since this was too slow.
-    std::uint64_t not_shown = 0;  ///< Not decoded by the server, likewise.
+    /// Messages dropped by the server, as it reports, because this viewer was too slow.
+    std::uint64_t dropped = 0;
+    std::uint64_t not_shown = 0;  ///< Messages that the server reports as not decoded.
   };
 
   /// Looks on from now until its end, on a thread of its own. `page` is the address that the run

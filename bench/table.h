@@ -17,9 +17,9 @@ struct Column {
   std::string layout;  ///< Alignment and width as fmt writes them, "<24"; empty: as wide as it is.
 };
 
-/// What a row says of one thing: in a column, in the object, or both.
+/// One value of a row: in a column, in the object, or both.
 struct Cell {
-  std::string key;  ///< Of the object; empty: in the line only.
+  std::string key;  ///< Key in the object; empty: in the line only.
   nlohmann::json value;
   bool shown = true;  ///< False: in the object only.
   std::string text;

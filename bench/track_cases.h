@@ -107,7 +107,7 @@ inline Eigen::Vector3d centre_of_mass_C(const sim::Excavator& machine,
   return machine.link(sim::Link::undercarriage).X_WL.inverse() * sum_W;
 }
 
-/// Of level ground on soft soil, the machine at rest.
+/// Returns the sinkage on level soft soil, the machine at rest.
 inline double sinkage_m(double step_s) {
   const sim::Ground ground = sim::Ground::plane(Eigen::Vector3d::UnitZ(), loam());
   return -place(sim::Excavator(balanced(step_s), Eigen::Isometry3d::Identity(), &ground)).z();
@@ -118,8 +118,8 @@ inline double sinkage_m(double step_s) {
 /// couple against M = mu p (l sqrt(l^2 + a^2) - a^2 asinh(l / a)) each: F B / 2 = M gives a, and
 /// the turn over the belts' is (B / 2) / (B / 2 + a).
 struct Spin {
-  double pull_n = 0.0;    ///< Of each motor, what its rollers resist included.
-  double of_belts = 0.0;  ///< The machine's turn over what the belts' ways would make of it.
+  double pull_n = 0.0;    ///< Pull of each motor, including its rollers' resistance.
+  double of_belts = 0.0;  ///< Turn of the machine over that of the belts without slip.
 };
 inline Spin closed_spin(const sim::ExcavatorParameters& p, double friction) {
   const double half_m = 0.5 * p.tracks.length_m;

@@ -64,7 +64,7 @@ void compare(const WeatherCase& weather_case, const sim::SceneWeather& weather,
     cost.transmission_error =
         std::max(cost.transmission_error, std::abs(path.transmission - marched[i].transmission));
     const sim::AirEcho& expected = marched[i].dust;
-    // Of what barely reaches the limit either may see nothing.
+    // Echoes near the detection limit: either method may see nothing.
     if (expected.energy < 1.1 * beams[i].detection_energy) {
       continue;
     }
@@ -141,6 +141,8 @@ std::vector<RainReturns> measure_rain_returns(int beams) {
   return rows;
 }
 
+// Counts beams with an echo and compares with 1 - exp(-expected echoes); sigma is that of the
+// binomial share.
 std::vector<FogReturns> measure_fog_returns(int beams) {
   std::vector<FogReturns> rows;
   const sim::SpinningLidarParameters receiver = sim::velodyne_head("HDL-32E").receiver;

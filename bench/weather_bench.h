@@ -1,4 +1,4 @@
-// What weather costs each beam, and how far its closed forms and tables are from small steps.
+// Cost of weather per beam, and difference of its closed forms and tables from small steps.
 #pragma once
 
 #include <string>
@@ -6,12 +6,12 @@
 
 namespace rigwire::bench {
 
-/// Of one weather, over the beams of a lidar 2.2 m above level ground.
+/// Cost and errors of one weather, over the beams of a lidar 2.2 m above level ground.
 struct WeatherCost {
   std::string medium;
   double beam_ns = 0.0;       ///< CPU time of one beam.
-  double reference_ns = 0.0;  ///< Of the same beam in small steps.
-  double echo_share = 0.0;    ///< Of beams with an echo from the air.
+  double reference_ns = 0.0;  ///< CPU time of the same beam in small steps.
+  double echo_share = 0.0;    ///< Share of beams with an echo from the air.
   /// Greatest differences from small steps, over the beams compared.
   double transmission_error = 0.0;
   double echo_energy_error = 0.0;  ///< Relative; 0 where no echo was compared.
@@ -26,7 +26,7 @@ struct RainReturns {
   int beams = 0;
   double counted_share = 0.0;
   double expected_share = 0.0;
-  double sigma = 0.0;  ///< Of the counted share.
+  double sigma = 0.0;  ///< Standard deviation of the counted share.
   double extinction_pm = 0.0;
   double integrated_extinction_pm = 0.0;
 };
@@ -39,7 +39,7 @@ struct FogReturns {
   int beams = 0;
   double counted_share = 0.0;
   double expected_share = 0.0;
-  double sigma = 0.0;  ///< Of the counted share.
+  double sigma = 0.0;  ///< Standard deviation of the counted share.
   double mean_range_m = 0.0;
   double expected_mean_range_m = 0.0;
 };

@@ -29,7 +29,7 @@ struct MarchedBeam {
                                           const sim::RainParameters& rain,
                                           const sim::WeatherBeam& beam);
 
-/// Echoes of an even fog, to be expected: cells of a pulse's length whose energy has a negative
+/// Expected echoes of uniform fog: cells of a pulse's length whose energy has a negative
 /// exponential distribution about the pulse integral, which is summed up here.
 struct ExpectedClutter {
   double echoes = 0.0;
@@ -38,7 +38,7 @@ struct ExpectedClutter {
 [[nodiscard]] ExpectedClutter expected_clutter(double visibility_m, const sim::FogParameters& fog,
                                                const sim::WeatherBeam& beam);
 
-/// Of rain of that rate, by an integral of the spectrum.
+/// Returns the extinction of rain of that rate, by an integral of the spectrum.
 [[nodiscard]] double integrated_rain_extinction_pm(double rain_mmph,
                                                    const sim::RainParameters& rain);
 

@@ -51,6 +51,8 @@ std::vector<TransmissionCurve> transmission_curves() {
   return curves;
 }
 
+/// Dust of falling soil after 1.5 s, and the strongest return of each beam: from the ground,
+/// reflectance times transmission over range squared, or from the dust.
 DustView dust_view() {
   constexpr SimTime kEnd = kStart + 1500ms;
   sim::SceneWeather weather(

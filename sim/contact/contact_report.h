@@ -16,7 +16,7 @@ struct LeaningObstacle {
   double angle_rad = 0.0;
   Eigen::Vector3d axis_W = Eigen::Vector3d::UnitX();  ///< About which it leans, level.
   double rate_radps = 0.0;
-  bool down = false;  ///< Moment beyond its strength: it falls without contact ...
+  bool down = false;  ///< Has no strength left: falls without contact ...
   bool lies = false;
   bool solid = false;  ///< ... until it lies clear of the machine (Ground::lay()).
 

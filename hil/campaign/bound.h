@@ -22,22 +22,22 @@ namespace rigwire::hil {
 /// The value of a criterion beside a quantity.
 class Bound {
  public:
-  /// `own_unit`: of the quantity, as fields/units.h spells it; empty: it has none. Throws
+  /// `own_unit`: the quantity's unit as fields/units.h spells it; empty: it has none. Throws
   /// std::invalid_argument, "wrong unit, found ..., allowed ...", for a unit of another dimension.
   Bound(const WrittenValue& value, std::string_view own_unit);
 
-  /// In the quantity's own unit.
+  /// Returns the bound in the quantity's own unit.
   [[nodiscard]] double own() const { return own_; }
-  /// As the user wrote it, a bare number with the quantity's own unit: "55 deg".
+  /// Returns the bound as the user wrote it, a bare number with the quantity's own unit: "55 deg".
   [[nodiscard]] std::string text() const;
-  /// A value of the quantity in the unit of text(), six significant digits: "47.2803 deg".
+  /// Returns a value of the quantity in text()'s unit, six significant digits: "47.2803 deg".
   [[nodiscard]] std::string shown(double own_value) const;
 
  private:
   double written_ = 0.0;
   double own_ = 0.0;
-  std::string unit_;      ///< Of `written_`.
-  double to_unit_ = 1.0;  ///< From the quantity's own.
+  std::string unit_;      ///< Unit of `written_`.
+  double to_unit_ = 1.0;  ///< Factor from the quantity's own unit to `unit_`.
 };
 
 }  // namespace rigwire::hil

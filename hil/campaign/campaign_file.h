@@ -51,7 +51,7 @@ struct ValuesOfFile {
   static constexpr fields::Named kNamed{"from_file", "A column of a CSV file."};
 
   std::string file;
-  std::string column;  ///< As the first line names it.
+  std::string column;  ///< Name of the column, as in the file's first line.
 };
 struct WeightedChoice {
   static constexpr fields::Named kNamed{"choice", "One of a list, each as often as its weight."};
@@ -175,16 +175,17 @@ struct Campaign {
   std::string name = "campaign";
   std::string text;
   std::string rig;
-  std::vector<std::string> set;  ///< Of every run, as `--set` takes it: "truth.rate=20 Hz".
+  /// Changes applied to every run, as `--set` takes them: "truth.rate=20 Hz".
+  std::vector<std::string> set;
   std::string clock = "free";
   Duration duration = std::chrono::seconds{60};
-  /// By the wall's clock; a run that takes longer is ended and was not judged.
+  /// Limit on the wall time of one run; a run that takes longer is ended and not judged.
   Duration patience = std::chrono::hours{1};
   /// The field program and its arguments. {NAME} stands for a parameter, {KEY.PATH} for a value of
   /// the run's rig, {index}, {seed}, {folder} for the run's own, {campaign} for this file's folder.
   std::vector<std::string> program;
   CampaignDesign design = CampaignDesign::grid;
-  std::uint32_t runs = 0;  ///< Of designs that are sampled.
+  std::uint32_t runs = 0;  ///< Number of runs, for designs that sample their parameters.
   std::uint64_t seed = 1;
   bool keep_truth = false;
   std::map<std::string, CampaignParameter> parameters;

@@ -29,7 +29,7 @@ namespace rigwire::hil {
 struct CampaignPlan {
   std::string name;
   std::filesystem::path file;  ///< The campaign's, as it was run.
-  std::string identity;        ///< Of campaign and rig.
+  std::string identity;        ///< Hash of the campaign and its rig (identity_of()).
   std::size_t runs = 0;
   std::vector<std::string> parameters;
   std::vector<std::string> criteria;

@@ -132,8 +132,8 @@ std::string last_line(const fs::path& file) {
   return printable(text.substr(text.rfind('\n') + 1));
 }
 
-/// Which of the descriptors can be read first; -1 ones are left out. Throws Interrupted. Nothing
-/// after the patience.
+/// Returns the index of the first descriptor that can be read, nullopt when `patience` (no limit
+/// without it) has passed. Descriptors of -1 are ignored. Throws Interrupted when a signal arrives.
 std::optional<std::size_t> first_of(const Signals& signals, const std::vector<int>& descriptors,
                                     std::optional<milliseconds> patience = std::nullopt) {
   std::vector<pollfd> waiting;

@@ -20,11 +20,11 @@ enum class RunEnd {
   passed,
   failed,       ///< Some criterion does not hold.
   crashed,      ///< It could not be judged; it has no DONE, and is run again next time.
-  interrupted,  ///< By a signal, which `signal` tells.
+  interrupted,  ///< Ended by the signal in `signal`.
 };
 struct RunResult {
   RunEnd end = RunEnd::crashed;
-  std::string what;  ///< Of what crashed: why.
+  std::string what;  ///< Reason when the run crashed or was interrupted.
   int signal = 0;
 };
 

@@ -137,7 +137,7 @@ class CriterionChecks {
   const LoadedCampaign& campaign_;
   const JudgedRig& rig_;
   Problems& problems_;
-  std::string path_;  ///< Of the criterion.
+  std::string path_;  ///< Key path of the criterion that is checked.
 };
 
 /// Everything of a machine but its numbers, which decide nothing about names.

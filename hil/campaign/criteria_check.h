@@ -15,7 +15,7 @@ namespace rigwire::hil {
 
 /// What the runs of one rig can be judged by.
 struct JudgedRig {
-  std::vector<StateQuantity> quantities;  ///< Of the machine, as `read` has them.
+  std::vector<StateQuantity> quantities;  ///< Quantities of the machine, as `read` lists them.
   std::vector<std::string> truth;         ///< Paths of the numbers of each record of the truth.
   bool meets_obstacles = false;           ///< The truth has `contact`.
   std::vector<std::string> devices;

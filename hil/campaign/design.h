@@ -1,4 +1,4 @@
-// Which runs a campaign has, and with which values.
+// Plans the runs of a campaign and the parameter values of each.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@ namespace rigwire::hil {
 /// One run: a function of the campaign and the index alone.
 struct PlannedRun {
   std::size_t index = 0;
-  /// Of the rig's random streams: 53 bits of the stream "run INDEX" of the campaign's seed, so that
-  /// JSON and SQLite hold it exactly.
+  /// Seed of the rig's random streams: 53 bits of the stream "run INDEX" of the campaign's seed, so
+  /// that JSON and SQLite hold it exactly.
   std::uint64_t seed = 0;
-  /// In the order of Campaign::parameters. Nothing: the rig's own (one_at_a_time).
+  /// Values in the order of Campaign::parameters. Empty: the rig's own value (one_at_a_time).
   std::vector<std::optional<std::string>> values;
 };
 

@@ -33,11 +33,12 @@ struct ProgramEnd {
 /// What a run left behind.
 struct RunEvidence {
   std::filesystem::path truth;  ///< JSON lines of hil/record/truth_tap.h.
-  /// Of the machine, as `read` has them: their values are in the truth, their units here.
+  /// Quantities of the machine, as `read` lists them: the truth has their values, this list their
+  /// units.
   std::vector<StateQuantity> quantities;
   nlohmann::ordered_json report;
   std::optional<ProgramEnd> program;
-  Duration duration{0};  ///< What comes later is not looked at.
+  Duration duration{0};  ///< Records of the truth after it are ignored.
 };
 
 struct Verdict {
@@ -53,7 +54,7 @@ struct Judgement {
   std::optional<std::string> first_failure;
   /// [sim_s, east_m, north_m] of the first link, 200 at most, the last one included.
   std::vector<std::array<double, 3>> track;
-  double end_s = 0.0;  ///< Of the last record.
+  double end_s = 0.0;  ///< Time of the last record, s.
 };
 
 /// Throws std::invalid_argument for a quantity, device or figure that the run does not have, with

@@ -16,7 +16,7 @@ struct Dimension {
   std::array<std::uint32_t, 7> first;
 };
 
-/// Of all dimensions but the first, which is van der Corput's.
+/// Rows of all dimensions but the first, which is van der Corput's sequence.
 constexpr std::array<Dimension, kSobolDimensions - 1> kDimensions{{
     {1, 0, {1}},
     {2, 1, {1, 3}},

@@ -38,7 +38,7 @@ Measure measure(const std::string& key, const std::string& text) {
   return {quantity->value, std::string(quantity->unit)};
 }
 
-/// Of the same unit as another one.
+/// Returns the value of `text`, which must have the unit `unit`; refuses any other unit.
 double measure_in(const std::string& key, const std::string& text, const std::string& unit) {
   const Measure found = measure(key, text);
   if (found.unit != unit) {

@@ -52,7 +52,7 @@ struct Parsed {
   std::string word;  ///< Kind, device or shell.
   std::string bus;
   std::string units = "si";
-  std::string node;  ///< Whose electronic data sheet.
+  std::string node;  ///< Node whose electronic data sheet is printed.
   std::string valve_map;
   std::string dbc_node;
   RigArguments eds;

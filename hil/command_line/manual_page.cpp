@@ -8,7 +8,7 @@ namespace rigwire::hil {
 
 namespace {
 
-/// As plain text of a page: no character of it is a command (man(7), groff_char(7)).
+/// Escapes `text` so that no character of it is a roff command (man(7), groff_char(7)).
 std::string plain(const std::string& text) {
   std::string page;
   for (const char c : text) {

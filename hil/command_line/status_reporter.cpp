@@ -20,9 +20,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using drivers::WriteEnd;
 
-/// How often the window is looked at between two pictures.
+/// Period at which the window's size is checked between two pictures.
 constexpr std::chrono::milliseconds kWindowPeriod{100};
-/// Of a terminal that does not tell its window (VT100).
+/// Size assumed for a terminal that does not report its window size (VT100).
 constexpr std::size_t kUsualColumns = 80;
 constexpr std::size_t kUsualLines = 24;
 

@@ -37,22 +37,23 @@ enum class StatusStyle {
 /// have been cut off at any byte. Lines end in CR LF.
 class LivePicture {
  public:
-  /// What is to be written to have `lines` on the screen instead of the picture before.
+  /// Returns the text that replaces the previous picture by `lines`.
   [[nodiscard]] std::string text(const std::vector<std::string>& lines) const;
-  /// The same on a screen that was cleared, as after a change of its size.
+  /// Returns the text that clears the screen and draws `lines`, as after a change of the window's
+  /// size.
   [[nodiscard]] std::string afresh(const std::vector<std::string>& lines) const;
-  /// What is to be written first, to end the line that was cut off; empty when none was.
+  /// Returns the rest of the line that was cut off, to be written first; empty when none was.
   [[nodiscard]] std::string rest_of_line() const { return line_.substr(line_written_); }
-  /// So many bytes of `text` were written.
+  /// Reports that the first `bytes` bytes of `text` were written.
   void written(std::string_view text, std::size_t bytes);
-  /// What is to be written to have `lines` where the picture begins, and it gone; leave() is to
-  /// follow. They may be wider than the screen.
+  /// Returns the text that replaces the picture by `lines`, which may be wider than the screen;
+  /// leave() is to follow.
   [[nodiscard]] std::string instead(const std::vector<std::string>& lines) const;
-  /// What follows stands below, and is not replaced.
+  /// Makes later text follow below the picture, which is no longer replaced.
   void leave() { row_ = 0; }
 
  private:
-  std::size_t row_ = 0;  ///< Of the cursor where `line_` began, counted from the picture's top.
+  std::size_t row_ = 0;  ///< Cursor's row where `line_` began, counted from the top of the picture.
   std::string line_;     ///< The line that was cut off, whole; empty: none was.
   std::size_t line_written_ = 0;
 };
@@ -80,7 +81,7 @@ class StatusReporter final : public Onlooker {
     std::mutex mutex;
     std::condition_variable arrived;
     std::optional<RigStatus> status;
-    std::vector<std::string> lines;  ///< Of the log; at most kMostLines.
+    std::vector<std::string> lines;  ///< Lines of the log; at most kMostLines.
     bool ended = false;
   };
 
@@ -104,8 +105,9 @@ class StatusReporter final : public Onlooker {
   drivers::Interrupt interrupt_;
   Duration period_;
   std::shared_ptr<Mailbox> mailbox_ = std::make_shared<Mailbox>();
-  std::deque<RigStatus> history_;  ///< Of the last kRateWindow of simulated time; never empty.
-  TableLook look_;                 ///< Of the picture before.
+  /// Statuses of the last kRateWindow of simulated time, at most kMaxHistory; never empty.
+  std::deque<RigStatus> history_;
+  TableLook look_;  ///< Size and colour of the previous picture.
   LivePicture live_;
   bool over_ = false;  ///< The reader is gone or the output has failed.
   std::thread thread_;

@@ -28,10 +28,10 @@ struct TableLook {
                                                          const std::vector<StateQuantity>& machine,
                                                          const TableLook& look);
 
-/// The same figures as in the report; lines without their ends: the run as a whole (time, slips of
-/// the clock, a fault that ended it), a row for each device (frames, bytes, drops, worst lateness,
-/// what a client asked last), and each fault of the rig's file that acted, with its window. Nothing
-/// in it but the colours can steer a terminal.
+/// Returns the report's figures as lines without line ends: the run as a whole (time, slips of the
+/// clock, a fault that ended it), a row for each device (frames, bytes, drops, worst lateness, the
+/// client's last request), and each fault of the rig's file that acted, with its window. Nothing in
+/// it but the colours can steer a terminal.
 [[nodiscard]] std::vector<std::string> draw_summary(const RunReport& report, bool colour);
 
 }  // namespace rigwire::hil

@@ -92,7 +92,7 @@ std::vector<std::string> TextTable::lines(std::size_t width, bool colour) const 
       wanted[i] = std::max(wanted[i], display_width(row[i].text));
     }
   }
-  // Which columns there are: with those that can be cut as narrow as they are good for.
+  // Chooses the columns: shrinks those that can be cut to their minimum width, then drops columns.
   std::vector<std::size_t> widths = wanted;
   std::vector<std::size_t> shown(columns_.size());
   std::iota(shown.begin(), shown.end(), std::size_t{0});

@@ -60,10 +60,11 @@ struct Terminal {
 /// What `rigwire ctl` was asked to ask.
 struct CtlRequest {
   std::string verb;
-  std::vector<std::string> keys;  ///< KEY=VALUE; of record the folder stands alone.
-  std::vector<std::string> only;  ///< Of record.
-  bool follow = false;            ///< Of events.
-  bool stop = false;              ///< Of record.
+  std::vector<std::string> keys;  ///< KEY=VALUE; the verb `record` takes its folder without a key.
+  /// Wires, or "truth", that `record` is limited to; empty: everything.
+  std::vector<std::string> only;
+  bool follow = false;  ///< With `events`: keep printing new events.
+  bool stop = false;    ///< With `record`: end the recording.
 };
 /// Asks a run's control server. The reply goes to `out`, also a refusal; events that are followed
 /// go to standard output at once.
@@ -99,14 +100,16 @@ struct ConformRequest {
   /// or to lose the device.
   std::optional<std::string> moves;
   bool allow_remote = false;
-  bool list = false;                    ///< Print the cases that are wanted; ask nobody.
+  bool list = false;                    ///< Print the selected cases without asking the device.
   bool make_profile = false;            ///< Print what the device answers to as a profile.
   unsigned addresses = 1000;            ///< With make_profile: those below are looked for.
   std::optional<std::uint8_t> address;  ///< With make_profile of j1939: the node that is meant.
-  std::chrono::nanoseconds listen = std::chrono::seconds{10};  ///< To who speaks by itself.
-  std::optional<std::chrono::nanoseconds> limit;  ///< Of the whole suite; empty: the suite's own.
-  std::string expectations;                       ///< File of known deviations.
-  std::string json;  ///< Files; empty: not written, "-": standard output.
+  /// How long to listen to a device that sends by itself.
+  std::chrono::nanoseconds listen = std::chrono::seconds{10};
+  /// Time limit of the whole suite; empty: the suite's own.
+  std::optional<std::chrono::nanoseconds> limit;
+  std::string expectations;  ///< File of known deviations.
+  std::string json;          ///< Files; empty: not written, "-": standard output.
   std::string junit;
   std::string html;
   std::vector<std::string> beside;  ///< JSON files that the HTML page shows too.
@@ -116,9 +119,9 @@ struct ConformRequest {
 /// What `rigwire campaign` was asked to do.
 struct CampaignRequest {
   std::string action;  ///< expand, run, collect, report
-  std::string target;  ///< The campaign's file or name; of collect and report its folder.
+  std::string target;  ///< The campaign's file or name; for collect and report its folder.
   std::string output;  ///< Folder.
-  std::string index;   ///< Of run: "17" or "0-19".
+  std::string index;   ///< Runs that the action `run` runs: "17" or "0-19".
   std::string html;
   std::vector<std::string> axes;
 };

@@ -17,8 +17,8 @@ namespace rigwire::fields {
 
 template <class Interface>
 struct TypeRow {
-  Named named;                            ///< As a file writes it.
-  std::unique_ptr<Interface> (*fresh)();  ///< With the type's defaults.
+  Named named;                            ///< Name of the type in a file, and its text.
+  std::unique_ptr<Interface> (*fresh)();  ///< Makes one with the type's defaults.
 };
 
 template <class Interface>

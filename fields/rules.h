@@ -19,7 +19,7 @@ class Visitor;
 struct IntegerRule {
   std::int64_t lower = std::numeric_limits<std::int64_t>::min();
   std::int64_t upper = std::numeric_limits<std::int64_t>::max();
-  const Unit* unit = nullptr;  ///< Of a bare number and of the member.
+  const Unit* unit = nullptr;  ///< Unit of a bare number and of the member; null: none.
 
   [[nodiscard]] bool contains(std::int64_t value) const { return value >= lower && value <= upper; }
   [[nodiscard]] std::string range_text() const;

@@ -22,7 +22,7 @@ double convert(double value, const Unit& from, const Unit& to) {
   return value * numerator / denominator;
 }
 
-/// Of a finite number; the shortest that reads back, or as many digits as `precision` says.
+/// Writes a finite number as the shortest text that reads back, or with the given `precision`.
 template <class... Precision>
 std::string digits(double value, std::chars_format format, Precision... precision) {
   std::array<char, 400> text{};

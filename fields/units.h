@@ -73,7 +73,7 @@ enum class Dimension {
 };
 
 struct Unit {
-  std::string_view symbol;  ///< As written in a file.
+  std::string_view symbol;  ///< Spelling in a file.
   Dimension dimension;
   double numerator;    ///< SI value = value * numerator / denominator.
   double denominator;  ///< Never zero.
@@ -278,7 +278,7 @@ consteval NumberRule in(std::string_view symbol) {
   return NumberRule(unit, detail::si_unit(unit.dimension));
 }
 
-/// The same where two dimensions share a symbol ("g").
+/// Rule of in() for a symbol that two dimensions share ("g").
 consteval NumberRule in(std::string_view symbol, Dimension dimension) {
   return NumberRule(detail::unit_named(symbol, dimension), detail::si_unit(dimension));
 }

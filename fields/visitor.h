@@ -94,9 +94,10 @@ class Alternatives {
  public:
   virtual ~Alternatives() = default;
   [[nodiscard]] virtual std::vector<Named> names() const = 0;
-  /// Which of the names is chosen.
+  /// Returns the index of the chosen name in names().
   [[nodiscard]] virtual std::size_t index() const = 0;
-  /// Chooses it, with its defaults; keeps what is there when it is chosen already.
+  /// Chooses the type at `index`, with its defaults; a type that is chosen already keeps its
+  /// values.
   virtual void choose(std::size_t index) = 0;
   virtual Part chosen() = 0;
 };
@@ -109,20 +110,20 @@ struct Spelling {
   std::function<void(const std::string&)> parse;  ///< Throws std::invalid_argument.
 };
 
-/// What a file is, for whoever must know all that it brings in.
+/// Kind of a file, for code that must find every file that it refers to.
 enum class FileKind {
-  data,       ///< It stands for itself.
+  data,       ///< Refers to no other file.
   mesh,       ///< Triangles, with the files of its materials, textures and buffers.
   geoid,      ///< A grid of geoid heights; without a name the one that is installed.
-  valve_map,  ///< YAML, which may include others, as the next.
-  dbc_node,   ///< A binding, which names a DBC file.
+  valve_map,  ///< YAML, which may include other files.
+  dbc_node,   ///< YAML binding, which may include other files and names a DBC file.
   memory,     ///< What a device has saved: it need not be there, and a run may write it.
-  // Those stand for themselves as data do, and have a size of their own that is allowed.
-  calibration,  ///< Of a lidar, YAML.
+  // The kinds below refer to no other file either; each has its own size limit.
+  calibration,  ///< Calibration of a lidar, YAML.
   dbc,          ///< Layouts of CAN frames.
   height_map,   ///< GeoTIFF or PNG.
-  motion,       ///< Of a machine, MCAP or CSV.
-  replay,       ///< What was on a wire.
+  motion,       ///< Recorded motion of a machine, MCAP or CSV.
+  replay,       ///< Recorded bytes of a wire.
   satellites,   ///< RINEX navigation file or almanac.
   table,        ///< CSV.
 };
@@ -141,14 +142,14 @@ class Visitor {
   /// See only_if().
   virtual void conditional(bool holds, std::string_view choice, std::string_view needs,
                            const Part& keys) = 0;
-  /// Of one key, by what several members hold: wrong unless it `holds`.
+  /// Checks a rule that joins several members: unless it `holds`, `key` is reported as wrong.
   virtual void check(bool holds, std::string_view key, const std::string& what,
                      const std::string& found = {}, const std::string& allowed = {}) = 0;
 
   /// A finite number with a unit.
   virtual void number(std::string_view key, double& value, const NumberRule& rule,
                       std::string_view text) = 0;
-  /// As many numbers as `values` is long; the rule is of each.
+  /// A list of exactly as many numbers as `values` has; `rule` applies to each.
   virtual void numbers(std::string_view key, std::span<double> values, const NumberRule& rule,
                        std::string_view text) = 0;
   /// Any count of numbers.
@@ -187,7 +188,7 @@ class Visitor {
   /// The key chooses the type; the chosen structure's keys stand beside it.
   virtual void alternatives(std::string_view key, Alternatives& types, std::string_view text) = 0;
 
-  // The same for members of all types.
+  // Templates of the functions above, for members of all types.
 
   template <std::integral Integer>
   void integer(std::string_view key, Integer& value, const IntegerRule& rule,

@@ -22,8 +22,8 @@
 namespace rigwire::drivers {
 
 struct CanTransmitCounters {
-  std::uint64_t sent = 0;       ///< Taken by the interface.
-  std::uint64_t waited = 0;     ///< Of them, not at the first attempt.
+  std::uint64_t sent = 0;       ///< Frames taken by the interface.
+  std::uint64_t waited = 0;     ///< Frames among `sent` that were not taken at the first attempt.
   std::uint64_t overflown = 0;  ///< Lost: this queue was full too.
   std::uint64_t down = 0;       ///< Lost: the interface was down, its bus off, or it was removed.
   std::uint64_t forbidden = 0;  ///< Lost: listen-only interface.
@@ -32,7 +32,7 @@ struct CanTransmitCounters {
   [[nodiscard]] std::uint64_t lost() const { return overflown + down + forbidden + failed; }
 };
 
-/// Of an interface, as sending and receiving find it.
+/// State of an interface, as sending and receiving find it.
 enum class CanLink : std::uint8_t { up, down, gone };
 
 class CanTransmitQueue {
@@ -51,7 +51,7 @@ class CanTransmitQueue {
   [[nodiscard]] bool waiting() const { return count_ != 0; }
 
   [[nodiscard]] CanLink link() const { return link_; }
-  /// What another way has found out. Down and gone: what waits is lost.
+  /// Sets a state that was found in another way. Down and gone: the frames in the queue are lost.
   void set_link(CanLink link);
   [[nodiscard]] const CanTransmitCounters& counters() const { return counters_; }
 

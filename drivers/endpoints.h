@@ -130,8 +130,8 @@ class CanBus {
   /// False when the frame could not be queued (ENOBUFS, line full). Frames offered while no client
   /// listens are taken and forgotten.
   virtual bool send(const protocols::can::Frame& frame) = 0;
-  /// The same for a frame that was complete on the bus at `stamp`, for ends that hand time stamps
-  /// on.
+  /// Sends like send() a frame that was complete on the bus at `stamp`, for ends that pass on time
+  /// stamps.
   virtual bool deliver(const protocols::can::Frame& frame, Stamp /*stamp*/) { return send(frame); }
   /// The oldest frame that came from here and is not yet settled went out completely at `stamp`,
   /// or, with `sent` false, never will (one-shot, bus-off, queue full).

@@ -73,7 +73,7 @@ struct HttpServer::State : Listening, std::enable_shared_from_this<State> {
   void accept_at_path();
 
   HttpServerSettings settings;
-  std::optional<Local::acceptor> local;  ///< Of the path.
+  std::optional<Local::acceptor> local;  ///< Listens at the path of the Unix socket.
   PatientHandler handler;
   WebSocketHandler web_socket_handler;
   std::vector<std::shared_ptr<Session>> sessions;
@@ -148,7 +148,7 @@ class HttpServer::Socket : public WebSocket, public std::enable_shared_from_this
     asio::post(stream_.get_executor(), [self = shared_from_this()] { self->forget_owner(); });
     std::erase(server_->web_sockets, shared_from_this());
   }
-  /// Who may hold it in turn.
+  /// Breaks the cycle: the owner may hold this connection in turn.
   void forget_owner() { owner_ = {}; }
 
  private:

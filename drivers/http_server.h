@@ -43,24 +43,27 @@ struct HttpServerSettings {
   std::string address = "127.0.0.1";  ///< Numeric IPv4 or IPv6.
   std::uint16_t port = 8080;          ///< 0 takes a free one (tests).
   bool allow_remote = false;          ///< Opt-in for addresses other than loopback.
-  std::string path;    ///< Of a Unix socket, mode 0600, in place of address and port; empty: none.
+  /// Path of a Unix socket, mode 0600, in place of address and port; empty: none.
+  std::string path;
   std::string server;  ///< Header "Server"; empty: none.
-  /// Where the listening socket of a port goes when the server ends, and comes from where one is
-  /// there (drivers/listener.h); null: it is opened and closed.
+  /// Keeps the listening socket of a port from one server to the next (drivers/listener.h); null:
+  /// the socket is opened and closed.
   std::shared_ptr<KeptListener> kept;
   std::size_t clients_max = 16;     ///< 1 .. 1024.
-  std::size_t header_bytes = 8192;  ///< Of one request, 256 .. 64 KiB.
-  std::size_t body_bytes = 65536;   ///< Of one request or one WebSocket message, 256 .. 16 MiB.
-  /// For one request to arrive, for one answer to leave, and between two requests; 1 ms .. 1 h.
+  std::size_t header_bytes = 8192;  ///< Limit for one request, 256 .. 64 KiB.
+  /// Limit for one request or one WebSocket message, 256 .. 16 MiB.
+  std::size_t body_bytes = 65536;
+  /// Time limit (1 ms .. 1 h) for one request to arrive, for one answer to leave, and between two
+  /// requests.
   std::chrono::milliseconds patience = std::chrono::seconds(10);
 };
 
 struct HttpRequest {
-  std::string method;  ///< As received: "GET".
+  std::string method;  ///< Method as received: "GET".
   std::string target;  ///< Path with query, as received.
   std::string body;
   std::string host;           ///< Header "Host".
-  std::string origin;         ///< Header "Origin": of the page that a browser asks for.
+  std::string origin;         ///< Header "Origin": the page for which a browser asks.
   std::string authorization;  ///< Header "Authorization".
   std::string subprotocols;   ///< Header "Sec-WebSocket-Protocol".
 };
@@ -77,7 +80,7 @@ struct HttpResponse {
 /// What becomes of a request for a WebSocket.
 struct WebSocketAnswer {
   std::optional<HttpResponse> refusal;  ///< It stays HTTP. Nothing: it becomes one.
-  std::string subprotocol;              ///< Of those that were offered; empty: none is named.
+  std::string subprotocol;              ///< The one chosen of those offered; empty: none.
   /// Called once with the connection, whose owner is who it returns.
   std::function<WebSocket::Owner(std::shared_ptr<WebSocket>)> open;
 };
@@ -100,10 +103,12 @@ class HttpServer {
 
   /// `handler` is called from the io_context, once for each complete request, and answers at once.
   void start(Handler handler);
-  /// The same with answers that may take their time; a client is not closed while it waits for one.
+  /// Starts like start(), with a handler that may answer later; the connection stays open until
+  /// then.
   void start_patiently(PatientHandler handler);
-  /// Who is asked by a request to become a WebSocket; before start(). Without, they are requests as
-  /// others. As many as there are places for clients, beside those.
+  /// Handler of requests to become a WebSocket; to be set before start(). Without one they are
+  /// handled as other requests. At most HttpServerSettings::clients_max WebSockets, beside as many
+  /// clients.
   using WebSocketHandler = std::function<WebSocketAnswer(const HttpRequest&)>;
   void on_web_socket(WebSocketHandler handler);
   [[nodiscard]] EndpointStatus status() const;

@@ -25,11 +25,11 @@
 
 namespace rigwire::drivers {
 
-/// Who holds a pseudo-terminal open: a serial line has one plug, and several programs that read one
-/// share its bytes as the kernel deals them out.
+/// A program that has a pseudo-terminal open: a serial line has one plug, and several programs that
+/// read one share its bytes as the kernel deals them out.
 struct LineReader {
   pid_t process = 0;
-  std::string program;  ///< As the kernel names it, 15 characters at most.
+  std::string program;  ///< Name that the kernel reports, 15 characters at most.
 };
 
 /// The processes but this one that hold each of `terminals` ("/dev/pts/3") open. A process whose
@@ -44,9 +44,9 @@ struct LineReader {
 struct WatchedLine {
   explicit WatchedLine(std::filesystem::path path) : link(std::move(path)) {}
   PublishedLink link;
-  std::atomic<bool> in_use{false};     ///< Told by the line: somebody has it open.
-  std::atomic<unsigned> readers{0};    ///< Told by the watch: programs that hold it open.
-  std::atomic<bool> told_once{false};  ///< Of several readers.
+  std::atomic<bool> in_use{false};     ///< Set by the line: a program has it open.
+  std::atomic<unsigned> readers{0};    ///< Set by the watch: programs that hold it open.
+  std::atomic<bool> told_once{false};  ///< Several readers have been logged once.
 };
 
 class LineWatch final : public boost::asio::execution_context::service {

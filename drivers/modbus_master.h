@@ -20,7 +20,7 @@ namespace rigwire::drivers {
 
 /// A serial line, instead of TCP.
 struct ModbusSerialPort {
-  std::string path;  ///< Of the port or pseudo-terminal.
+  std::string path;  ///< Path of the port or pseudo-terminal.
   protocols::modbus::RtuTiming timing;
 };
 

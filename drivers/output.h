@@ -41,7 +41,7 @@ enum class WriteEnd {
 
 struct Written {
   WriteEnd end = WriteEnd::whole;
-  std::size_t bytes = 0;  ///< That were taken, also when it did not end well.
+  std::size_t bytes = 0;  ///< Bytes that were taken, also after an error.
   int error = 0;          ///< errno of `failed`.
 };
 

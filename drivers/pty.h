@@ -83,7 +83,7 @@ class Pty final : public ByteStream {
   std::filesystem::path link_;
   std::shared_ptr<WatchedLine> watched_;  ///< Null without a link.
   std::string slave_name_;
-  int descriptor_ = -1;  ///< Of the master; owned by master_.
+  int descriptor_ = -1;  ///< Descriptor of the pty's master; owned by master_.
   boost::asio::posix::stream_descriptor master_;
   boost::asio::steady_timer presence_timer_;
   Receiver receiver_;

@@ -53,8 +53,8 @@ struct SlcanAdapterSettings {
 };
 
 struct SlcanAdapterCounters {
-  std::uint64_t refused_commands = 0;  ///< Answered with BEL.
-  std::uint64_t too_long_lines = 0;    ///< Of them, dropped before they ended.
+  std::uint64_t refused_commands = 0;  ///< Commands answered with BEL.
+  std::uint64_t too_long_lines = 0;    ///< Refused commands that were dropped before their end.
   std::uint64_t wrong_rate = 0;        ///< Frames not handed over: the client has another bit rate.
   std::uint64_t filtered = 0;          ///< Frames that the client's filter keeps out.
   std::uint64_t backlogged = 0;        ///< Frames lost because line or receive queue were full.
@@ -114,7 +114,7 @@ class SlcanAdapter final : public CanBus {
     Channel channel = Channel::closed;
     std::uint32_t bit_rate_bps = 0;  ///< 0: the bus's own.
     bool time_stamps = false;
-    std::optional<bool> auto_poll;  ///< As X set it.
+    std::optional<bool> auto_poll;  ///< Set by the command X; empty: X was not received.
     protocols::slcan::AcceptanceFilter filter;
     std::uint16_t flags = 0;  ///< Events since the last F.
     protocols::can::ErrorState state = protocols::can::ErrorState::active;

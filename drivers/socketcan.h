@@ -70,7 +70,7 @@ class SocketCanBus final : public CanBus {
   [[nodiscard]] EndpointStatus status() const override;
 
   [[nodiscard]] const SocketCanCounters& counters() const { return counters_; }
-  /// As last seen; a downed interface that came up is noticed with the next frame or status().
+  /// State last seen; a downed interface that came up is noticed with the next frame or status().
   [[nodiscard]] CanLink link() const { return queue_.link(); }
 
  private:
@@ -96,7 +96,8 @@ class SocketCanBus final : public CanBus {
   bool heard_ = false;
   bool retrying_ = false;
   bool searching_ = false;
-  std::uint32_t dropped_by_socket_ = 0;  ///< As the kernel counts for the present socket.
+  /// The kernel's count of dropped frames for the present socket.
+  std::uint32_t dropped_by_socket_ = 0;
   SocketCanCounters counters_;
   std::shared_ptr<char> alive_ = std::make_shared<char>();
 };

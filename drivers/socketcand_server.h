@@ -127,8 +127,8 @@ class SocketcandBeacon {
  public:
   static constexpr std::chrono::seconds kPeriod{3};
 
-  /// Of a server at `address`, a numeric IPv4 address of this machine, and `port`. Throws
-  /// EndpointError. What the system does not send is not sent.
+  /// Announces a server at `address`, a numeric IPv4 address of this machine, and `port`. Throws
+  /// EndpointError. Errors while sending are ignored.
   SocketcandBeacon(boost::asio::io_context& context, const std::string& address, std::uint16_t port,
                    const std::vector<std::string>& buses);
 

@@ -26,13 +26,13 @@ std::string text(std::uint32_t address, std::uint16_t port) {
   return boost::asio::ip::address_v4(address).to_string() + ":" + std::to_string(port);
 }
 
-/// The interface that has an address, and who is everybody there.
+/// An interface and its broadcast address.
 struct Network {
   unsigned interface = 0;
   std::uint32_t broadcast = 0;
 };
 
-/// Of the loopback interface every address of its network is this machine's.
+/// Returns the network of an address of this machine; every address of the loopback network is one.
 std::optional<Network> network_of(std::uint32_t address) {
   ifaddrs* list = nullptr;
   if (::getifaddrs(&list) != 0) {

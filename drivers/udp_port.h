@@ -25,7 +25,7 @@
 namespace rigwire::drivers {
 
 struct UdpPortSettings {
-  std::uint32_t address = 0x7F00'0001;  ///< Of this machine.
+  std::uint32_t address = 0x7F00'0001;  ///< An address of this machine.
   std::uint16_t port = 0;               ///< 0: the system chooses.
   bool broadcasts = false;
   int send_buffer_bytes = 4 << 20;  ///< Asked of the system, which may give less.
@@ -57,7 +57,7 @@ class UdpPort final : public DatagramPort {
 
   UdpPortSettings settings_;
   std::vector<std::unique_ptr<Ear>> ears_;
-  unsigned interface_ = 0;  ///< That broadcasts must come by.
+  unsigned interface_ = 0;  ///< Index of the interface by which broadcasts must arrive.
   std::uint16_t local_port_ = 0;
   bool fragments_ = true;  ///< How the port's own socket is set.
   Receiver receiver_;

@@ -43,7 +43,7 @@ struct UdpSettings {
   /// The bound address may be that of other sockets that share theirs, too: senders of one machine
   /// that each play a device with the same port.
   bool shares_source = false;
-  /// Of the IP header of what is sent; 0: the system's.
+  /// Time to live in the IP header of sent packets; 0: the system's.
   std::uint8_t time_to_live = 0;
   /// Sets the header's "don't fragment"; its identification is the system's all the same.
   bool dont_fragment = false;

@@ -32,7 +32,7 @@ struct UsbListed {
   bool permitted = false;  ///< This user may open it.
 };
 
-/// Which device is meant, as text:
+/// Selects a device by text:
 ///
 ///   1d50:606f           vendor and product, hexadecimal
 ///   1d50:606f:0123AB    and serial number

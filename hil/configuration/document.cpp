@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Of a character, not one of the bytes that continue it in UTF-8.
+/// Returns whether `byte` begins a character of UTF-8, so is no continuation byte.
 bool is_start(char byte) {
   return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
 }
@@ -86,7 +86,7 @@ class DocumentMarks final : public YAML::EventHandler {
   }
   void OnMapEnd() override {}
 
-  /// Of the last document's first node.
+  /// Returns the position of the last document's first node.
   [[nodiscard]] const YAML::Mark& mark() const { return mark_; }
   void next() { open_ = true; }
 
@@ -150,7 +150,7 @@ class RequestBounds final : public YAML::EventHandler {
   /// A list or a map that is open.
   struct Level {
     bool is_map = false;
-    bool key_is_next = false;  ///< Of a map.
+    bool key_is_next = false;  ///< In a map: the next scalar is a key.
   };
 
   [[noreturn]] static void refuse_alias(const YAML::Mark& mark) {
@@ -215,12 +215,12 @@ std::optional<RequestFault> request_fault(const std::string& text) {
   return std::nullopt;
 }
 
-/// What a file and all that it includes have come to, each alias counted as what it stands for.
+/// Size of a file and all that it includes; each alias counts as what it refers to.
 struct Extent {
   std::size_t max_nodes = kMaximumNodes;
   std::size_t max_bytes = kMaximumBytes;
   std::size_t nodes = 0;
-  std::size_t bytes = 0;  ///< Of keys and values.
+  std::size_t bytes = 0;  ///< Bytes of keys and values.
   std::size_t includes = 0;
   int files = 0;  ///< Read to their end.
   bool may_include = true;

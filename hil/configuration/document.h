@@ -39,20 +39,21 @@ struct Value {
 
 struct Value::Entry {
   std::string key;
-  Location where;  ///< Of the key.
+  Location where;  ///< Position of the key.
   Value value;
 };
 
-/// Bounds that keep a hostile or mistaken file from eating the machine, beside those of its size
+/// Limits that keep a hostile or mistaken file from exhausting memory, beside those of its size
 /// (hil/configuration/outside_file.h).
-inline constexpr std::size_t kMaximumNodes = 1'000'000;  ///< With those of included files.
-inline constexpr std::size_t kMaximumBytes = 64u << 20;  ///< Of keys and values, likewise.
+inline constexpr std::size_t kMaximumNodes = 1'000'000;  ///< Values, with those of included files.
+/// Bytes of keys and values, with those of included files.
+inline constexpr std::size_t kMaximumBytes = 64u << 20;
 inline constexpr int kMaximumDepth = 64;
 inline constexpr std::size_t kMaximumIncludeDepth = 8;
 inline constexpr std::size_t kMaximumIncludes = 1000;  ///< Each counted as often as it is read.
 
-/// Bounds of a request, so that what it costs to apply is bounded, too (hil/control/desk.h).
-inline constexpr std::size_t kMaximumRequestBytes = 64u << 10;  ///< Of its text.
+/// Limits of a request, so that the cost of applying it is bounded, too (hil/control/desk.h).
+inline constexpr std::size_t kMaximumRequestBytes = 64u << 10;  ///< Length of its text.
 inline constexpr std::size_t kMaximumRequestNodes = 1024;       ///< Values, lists and maps.
 inline constexpr std::size_t kMaximumRequestKeys = 256;         ///< In all of its maps together.
 inline constexpr int kMaximumRequestDepth = 16;
@@ -62,14 +63,14 @@ inline constexpr int kMaximumRequestDepth = 16;
 /// circular or too many includes go to `problems`; what could be read is returned.
 [[nodiscard]] Value load_document(const std::string& file, Problems& problems);
 
-/// The same from text; `name` stands for the file in messages, `folder` is where relative names
-/// start.
+/// Parses `text` as load_document() does a file; `name` is its name in messages, `folder` the
+/// folder to which relative names refer.
 [[nodiscard]] Value parse_document(const std::string& text, const std::string& name,
                                    const std::string& folder, Problems& problems);
 
-/// The same of text by somebody who need not be allowed to read this user's files: an `include` in
-/// it is a problem, and no file is looked at. A text beyond the bounds of a request, and one with
-/// an anchor or an alias, is a problem before any tree is made of it.
+/// Parses the text of a client that need not be allowed to read this user's files: an `include` in
+/// it is a problem, and no file is opened. A text beyond the limits of a request, and one with an
+/// anchor or an alias, is a problem before any tree is built.
 [[nodiscard]] Value parse_request(const std::string& text, const std::string& name,
                                   Problems& problems);
 

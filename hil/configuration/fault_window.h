@@ -18,7 +18,7 @@ namespace rigwire::hil {
 
 struct FaultWindow {
   std::string where;  ///< Name of the device; "bus can", "modbus cab".
-  std::string type;   ///< As in the rig's file: "jamming"; of a node on a bus with its name.
+  std::string type;   ///< Type as in the rig's file: "jamming"; for a node on a bus with its name.
   SimTime begin{};    ///< It acts in [begin, end).
   SimTime end{};      ///< kNever: to the end of the run.
   /// Condition that it waits for: "boom_angle above 0.5". It has no beginning then (kNever).

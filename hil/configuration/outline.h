@@ -24,8 +24,8 @@ struct OutlineNode {
   std::string type;       ///< "number", "text", "device", ...
   std::string unit;       ///< Unit of a bare number; empty without.
   std::string allowed;    ///< Range or names.
-  std::string value;      ///< As YAML, in the field's unit.
-  std::string canonical;  ///< What enters the hash; of a file its full path.
+  std::string value;      ///< YAML text in the field's unit.
+  std::string canonical;  ///< Text that enters the hash; for a file its full path.
   std::optional<fields::FileKind> file;
   std::string needs;  ///< Without it the key has no effect: "pumps: engine".
   bool required = false;
@@ -40,8 +40,8 @@ template <class Struct>
   return outline_part(fields::Part::of(copy));
 }
 
-/// The same with one element in every list and, below the top, every type that a key can choose:
-/// what there can be, for the reference. The structure is used up.
+/// Returns the outline with one element in every list and, below the top, every type that a key can
+/// choose: all that is possible, for the reference. The structure is consumed.
 [[nodiscard]] OutlineNode reference_outline_part(const fields::Part& part);
 template <class Struct>
 [[nodiscard]] OutlineNode reference_outline(const Struct& value) {

@@ -25,7 +25,7 @@ namespace rigwire::hil {
 
 /// The largest size, in bytes, of one kind of file.
 struct FileLimit {
-  std::string_view what;  ///< As docs/configuration.md names the kind.
+  std::string_view what;  ///< Name of the kind in docs/configuration.md.
   std::uint64_t bytes = 0;
 };
 
@@ -64,7 +64,7 @@ inline constexpr std::array<FileLimit, 19> kFileLimits{
     kImageFile,     kMeshFile,        kLogFile,           kGeoidFile,    kOtherFile,
     kHeightMapFile, kMotionFile,      kReplayFile,        kRecordingFile};
 
-/// Of a file of text that is read line by line.
+/// Longest line of a text file that is read line by line, bytes.
 inline constexpr std::uint64_t kMaxLineBytes = 4 * kMebibyte;
 
 /// The largest limit of what a key of this kind may name.
@@ -149,7 +149,7 @@ class LineReader {
  private:
   OutsideFile file_;
   std::vector<std::uint8_t> piece_;
-  std::size_t begin_ = 0;  ///< Of what is left in `piece_`.
+  std::size_t begin_ = 0;  ///< Index of the first unread byte in `piece_`.
   std::uint64_t number_ = 0;
   bool whole_ = false;
 };

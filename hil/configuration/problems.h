@@ -17,12 +17,12 @@
 namespace rigwire::hil {
 
 /// Where a value was written. Line and column count from 1; 0 means "the file as a whole", or a
-/// source without lines (a --set argument). Without a source: nobody wrote it, it is a default.
+/// source without lines (a --set argument). Without a source the value is a default.
 struct Location {
   std::shared_ptr<const std::string> source;  ///< File as the user named it, or "--set KEY=VALUE".
   int line = 0;
   int column = 0;
-  int layer = 0;  ///< Of two sources of one configuration the one with the higher beats the other.
+  int layer = 0;  ///< Precedence: the source with the higher layer overrides the other.
 
   [[nodiscard]] bool is_default() const { return source == nullptr; }
   /// Written by a --set, not in a file.
@@ -32,7 +32,7 @@ struct Location {
   /// "file.yaml:12:7", "file.yaml", "--set a.b=1" or "default"; of a request as a whole its name,
   /// "the request". Printable.
   [[nodiscard]] std::string text() const;
-  /// The same without the column, for the origin comments of `rigwire check --print`.
+  /// Returns text() without the column, for the origin comments of `rigwire check --print`.
   [[nodiscard]] std::string line_text() const;
 };
 
@@ -89,17 +89,18 @@ class ConfigurationError : public std::runtime_error {
   std::vector<Problem> problems_;
 };
 
-/// Where each value that somebody wrote stands, by key path.
+/// Where each value that is no default was written, by key path.
 class Origins {
  public:
   void set(const std::string& path, const Location& where) { places_[path] = where; }
-  /// What stands at `path` was written at another one.
+  /// Records that the value at `path` was written at the path `written`.
   void moved(const std::string& path, const std::string& written) { written_[path] = written; }
-  /// As it was written: of that path, or of something above it that was moved.
+  /// Returns the path under which the value at `path` was written: `path`, unless it or something
+  /// above it was moved.
   [[nodiscard]] std::string written(const std::string& path) const;
-  /// The place of that very key; a default location when nobody wrote it.
+  /// Returns where exactly that key was written; a default location if it was not.
   [[nodiscard]] Location of(const std::string& path) const;
-  /// The place of the key, or of the nearest key above it that somebody wrote.
+  /// Returns where the key, or the nearest written key above it, was written.
   [[nodiscard]] Location nearest(std::string path) const;
 
  private:

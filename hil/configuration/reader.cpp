@@ -72,7 +72,7 @@ std::string by_the_turn(const fields::Quantity& quantity, const NumberRule& rule
   }
 }
 
-/// Of the last source that wrote any of it.
+/// Returns the layer of the last source that wrote any part of `tree`.
 int last_layer(const Value& tree) {
   int layer = tree.where.layer;
   for (const Value& item : tree.items) {
@@ -592,8 +592,8 @@ void Reader::read_map(const Value& map, const std::string& path, const fields::P
 }
 
 void Reader::validate(const Value& map, const std::string& path, const fields::Part& part) {
-  // Of members that do not go together the first to blame is what --set changed: without it the
-  // files may be sound. Else the one that is named.
+  // When members contradict each other, blame the one that --set changed: without it the files may
+  // be sound. Otherwise blame the named one.
   const auto blame = [&](const std::string& at, std::string what) {
     const Location named = origins_.nearest(at);
     const Location* argument = first_set(map);

@@ -81,14 +81,14 @@ class Reader final : public fields::Visitor {
     std::vector<std::string> known;
     bool report_unknown = true;
   };
-  /// Of keys that have no effect.
+  /// Condition under which a group of keys has an effect (only_if()).
   struct Condition {
     std::string_view choice;
     std::string_view needs;
   };
 
   [[nodiscard]] std::string path_of(std::string_view key) const;
-  /// `meaning`: of the key, for who left out one that is required.
+  /// `meaning`: what the key means, for the message when a required key is missing.
   const Value* find(std::string_view key, std::string_view meaning = {});
   void refuse_without_effect(std::string_view key, const Value* value);
   const Value* find_scalar(std::string_view key, std::string_view meaning = {});

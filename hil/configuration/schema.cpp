@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 using fields::Named;
 using fields::NumberRule;
 
-/// As fields::split_quantity reads a number.
+/// Number syntax that fields::split_quantity accepts.
 constexpr std::string_view kNumber = R"([-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?)";
 constexpr std::string_view kInclude = "include";
 
@@ -94,14 +94,14 @@ class Writer final : public fields::Visitor {
  public:
   explicit Writer(std::optional<Trial> trial = std::nullopt) : trial_(trial) {}
 
-  /// Keys and what they may hold; what a file must write is apart, because a file that includes
-  /// another, here or further up, need not write it itself.
+  /// Schema of an object. Required keys are kept apart, since a file that includes another, here or
+  /// further up, need not write them itself.
   struct Object {
     Json schema;
-    Json needs;  ///< Empty when nothing is needed.
+    Json needs;  ///< Required keys; empty: none.
   };
 
-  /// Of whatever `show` names.
+  /// Returns the schema of the keys that `show` names.
   template <class Show>
   static Object object_of(const Show& show) {
     const Keys keys = keys_of(show);

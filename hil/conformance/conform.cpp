@@ -66,27 +66,27 @@ Identities modbus_identities(bool tcp) {
   return identities_of(std::move(cases));
 }
 
-/// A device's place, and the run of a rig that has it.
+/// Where the device is, and the run of the rig that simulates it; null: another device.
 struct Place {
   std::unique_ptr<RigProcess> rig;
-  std::string device;  ///< Of the rig.
+  std::string device;  ///< Name of the device in the rig.
   Endpoint endpoint;
 };
 
-/// Asks a device, or listens to it. With `request.make_profile` prints its claims to `out`, and
-/// the result is empty.
+/// Tests a device or listens to it. With `request.make_profile` prints the device's claims to
+/// `out`, and the result is empty.
 using Ask = SuiteResult (*)(const ConformRequest& request, const Place& place, std::ostream& out);
 
-/// What is known of a suite before anybody is asked.
+/// What is known of a suite before a device is asked.
 struct Suite {
   std::string_view name;
-  std::vector<Kind> kinds;  ///< Where its devices are.
-  std::string_view places;  ///< The same in words.
+  std::vector<Kind> kinds;  ///< Kinds of endpoint that it accepts.
+  std::string_view places;  ///< Text of `kinds` for messages.
   conform::EndpointDefaults defaults;
-  bool needs_profile = true;  ///< Else it looks through what is said without claims.
-  bool sends = true;          ///< Else it only listens.
-  /// Without --limit: about five times what the suite takes of a device that answers. 0: it only
-  /// listens, and ends with --listen.
+  bool needs_profile = true;  ///< False: it can test without claims.
+  bool sends = true;          ///< False: it only listens.
+  /// Limit without --limit: about five times what the suite takes with a device that answers. 0: it
+  /// only listens, and ends with --listen.
   std::chrono::minutes limit{10};
   Identities (*identities)();
   Ask ask;
@@ -355,8 +355,8 @@ void check_options(const ConformRequest& request) {
   }
 }
 
-/// Of a wire as run.json tells it: "tcp 127.0.0.1:1502", "slcan PATH +1", "udp 127.0.0.1:2368", or
-/// the path of a serial line with what stands behind it.
+/// Returns the endpoint of a wire as run.json describes it: "tcp 127.0.0.1:1502", "slcan PATH +1",
+/// "udp 127.0.0.1:2368", or the path of a serial line with its settings behind it.
 std::string endpoint_of_wire(const std::string& wire, const std::string& rate,
                              const std::string& device) {
   const std::string scheme = wire.starts_with("/") ? "serial" : wire.substr(0, wire.find(' '));
@@ -389,7 +389,7 @@ Place open_place(const ConformRequest& request) {
            "tcp:ADDRESS[:PORT], serial:PATH[@BAUD], can:INTERFACE, slcan:PATH[@BITRATE], "
            "udp:[ADDRESS:]PORT or rig:RIG#DEVICE");
   }
-  // Who listens to what is sent to this machine asks nobody beyond it.
+  // A listener on UDP receives what is sent to this machine and contacts no other one.
   const bool listens = endpoint->kind == Kind::udp && !suite.sends;
   if (!listens && !endpoint->local() && !request.allow_remote) {
     refuse("endpoint", request.endpoint, "127.0.0.0/8 or ::1, others with --allow-remote");

@@ -62,7 +62,7 @@ std::string names_text(const std::vector<std::string>& names, std::size_t indent
   return text;
 }
 
-/// Of a profile that was asked for; nothing without an endpoint.
+/// Returns the first line of a generated profile; empty without an endpoint.
 std::string begin_of(const std::string& endpoint) {
   return endpoint.empty() ? ""
                           : "# What " + endpoint +

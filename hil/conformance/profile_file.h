@@ -18,7 +18,7 @@
 
 namespace rigwire::hil {
 
-/// As the file has it. Ranges are texts: "0-15", or "7".
+/// Profile file of a Modbus device. Ranges are texts: "0-15", or "7".
 struct ModbusProfile {
   std::uint8_t unit = 1;
   std::vector<double> functions;
@@ -39,7 +39,7 @@ void visit(fields::Visitor& v, ModbusProfile& p);
 /// Throws std::invalid_argument: no ranges, or such as overlap or are beyond what can be read.
 void validate(const ModbusProfile& p);
 
-/// Of a receiver that speaks NMEA 0183.
+/// Profile file of a receiver that speaks NMEA 0183.
 struct NmeaProfile {
   conform::NmeaClaims claims;
 };
@@ -47,27 +47,27 @@ void visit(fields::Visitor& v, NmeaProfile& p);
 /// Throws std::invalid_argument.
 void validate(const NmeaProfile& p);
 
-/// Of a u-blox receiver.
+/// Profile file of a u-blox receiver.
 struct UbxProfile {
   conform::UbxClaims claims;
   std::chrono::nanoseconds answer_within = std::chrono::milliseconds{500};
   std::chrono::nanoseconds patience = std::chrono::milliseconds{1500};
 };
 void visit(fields::Visitor& v, UbxProfile& p);
-/// Throws std::invalid_argument for a message that there is not, or that cannot be polled.
+/// Throws std::invalid_argument for a message that does not exist or cannot be polled.
 void validate(const UbxProfile& p);
 
-/// Of a node on CANopen. Objects are texts: "1018:1".
+/// Profile file of a CANopen node. Objects are texts: "1018:1".
 struct CanopenProfile {
   std::uint8_t node = 1;
   std::vector<std::string> objects;
   std::chrono::nanoseconds patience = std::chrono::milliseconds{500};
 };
 void visit(fields::Visitor& v, CanopenProfile& p);
-/// Throws std::invalid_argument for what names no object.
+/// Throws std::invalid_argument for a text that names no object.
 void validate(const CanopenProfile& p);
 
-/// Of a node on J1939. Groups that come by themselves are texts: "61444 every 20 ms".
+/// Profile file of a J1939 node. Groups sent periodically are texts: "61444 every 20 ms".
 struct J1939Profile {
   std::uint8_t address = 0;
   std::vector<std::string> periodic;
@@ -75,10 +75,10 @@ struct J1939Profile {
   std::chrono::nanoseconds patience = std::chrono::milliseconds{500};
 };
 void visit(fields::Visitor& v, J1939Profile& p);
-/// Throws std::invalid_argument for what names no group or no period.
+/// Throws std::invalid_argument for a text that names no group or no period.
 void validate(const J1939Profile& p);
 
-/// Of a block of auxiliary valves on ISO 11783.
+/// Profile file of a block of auxiliary valves on ISO 11783.
 struct IsoValveProfile {
   std::uint8_t address = 0x80;
   unsigned first_valve = 0;
@@ -89,18 +89,19 @@ struct IsoValveProfile {
   std::chrono::nanoseconds patience = std::chrono::milliseconds{500};
 };
 void visit(fields::Visitor& v, IsoValveProfile& p);
-/// Throws std::invalid_argument for valves behind the last one that there is.
+/// Throws std::invalid_argument for valves beyond the last possible one.
 void validate(const IsoValveProfile& p);
 
-/// Of a spinning lidar.
+/// Profile file of a spinning lidar.
 struct VelodyneProfile {
   conform::VelodyneClaims claims;
 };
 void visit(fields::Visitor& v, VelodyneProfile& p);
-/// Throws std::invalid_argument for a model, a return mode or a pulse's state that there is not.
+/// Throws std::invalid_argument for an unknown model, return mode or pulse state.
 void validate(const VelodyneProfile& p);
 
-/// Of a camera on GigE Vision. Registers are texts: "0xA104", with what is written "0xA104 = 1".
+/// Profile file of a GigE Vision camera. Registers are texts: "0xA104", with a written value
+/// "0xA104 = 1".
 struct GigeVisionProfile {
   std::string acquisition_start;
   std::string acquisition_stop;
@@ -122,10 +123,11 @@ void validate(const GigeVisionProfile& p);
 [[nodiscard]] conform::CanopenClaims read_canopen_profile(const std::string& file);
 [[nodiscard]] conform::VelodyneClaims read_velodyne_profile(const std::string& file);
 [[nodiscard]] conform::GigeVisionClaims read_gige_vision_profile(const std::string& file);
-/// Of the file as it would be written anew.
+/// Returns the hash (FNV-1a, 64 bits, in 16 hexadecimal digits) of a profile that profile_text()
+/// wrote without an endpoint.
 [[nodiscard]] std::string hash_of(const std::string& profile_text);
 
-/// A file that reads as these claims; `endpoint` is who was asked for them, or empty.
+/// Returns a file that reads as these claims; `endpoint` is the device that was asked, or empty.
 [[nodiscard]] std::string profile_text(const conform::ModbusClaims& claims,
                                        const std::string& endpoint);
 [[nodiscard]] std::string profile_text(const conform::NmeaClaims& claims,

@@ -64,9 +64,9 @@ struct WaitCommand {
       "Runs until a quantity of the machine reaches a value; answers then, and pauses if it "
       "was paused before."};
 
-  std::string quantity;                       ///< As `read` names it.
-  bool above = true;                          ///< Wanted above the value, else below.
-  double value = 0.0;                         ///< In the quantity's unit.
+  std::string quantity;  ///< Name of the quantity, as `read` lists it.
+  bool above = true;     ///< True: wait for a value above `value`; false: below.
+  double value = 0.0;    ///< In the quantity's unit.
   Duration limit = std::chrono::seconds{10};  ///< Simulated time; then the answer is a refusal.
 };
 struct FaultAddCommand {
@@ -75,13 +75,13 @@ struct FaultAddCommand {
 
   std::string on;     ///< Name of a device, "bus NAME" or "modbus NAME".
   std::string fault;  ///< Its keys as in a rig's file: "{type: jamming, for: 5 s}".
-  /// No key: what `fault` has been parsed to; nothing: it has not been.
+  /// No key of the request: `fault` once it is parsed; empty: not yet.
   std::optional<Value> keys{};
 };
 struct FaultClearCommand {
   static constexpr fields::Named kNamed{"fault_clear", "A fault ends, or will not begin."};
 
-  std::uint32_t id = 1;  ///< As fault_add and fault_list tell it.
+  std::uint32_t id = 1;  ///< Number that fault_add and fault_list report.
 };
 struct FaultListCommand {
   static constexpr fields::Named kNamed{"fault_list",
@@ -163,13 +163,14 @@ inline constexpr std::size_t kMaxRequestWord = 4096;
 [[nodiscard]] std::optional<Request> read_request(const std::string& text, const std::string& name,
                                                   Problems& problems, std::string_view verb = {});
 
-/// What a text has come to: a request, or what is wrong with it. It shares nothing with its text
-/// and can be handed to another thread.
+/// Result of parsing a request: the request, or what is wrong with it. It shares nothing with its
+/// text and can be passed to another thread.
 struct ParsedRequest {
   std::optional<Request> request;
   std::optional<Problem> wrong;  ///< The first finding; set exactly when there is no request.
 };
-/// The same as read_request(), for who hands it on (Desk::carry_out_parsed()). From any thread.
+/// Parses a request like read_request(), for Desk::carry_out_parsed() on another thread. May be
+/// called from any thread.
 [[nodiscard]] ParsedRequest parse_command(const std::string& text, const std::string& name,
                                           std::string_view verb = {});
 

@@ -8,12 +8,12 @@
 namespace rigwire::hil {
 
 struct ControlAnswer {
-  int status = 0;  ///< As control_server.h has them.
+  int status = 0;  ///< HTTP status; control_server.h lists them.
   std::string body;
 };
 
-/// Sends a request of commands.h, as JSON or YAML, and waits for its answer as long as that takes.
-/// `token`: means nothing on a Unix socket. Throws drivers::EndpointError when nobody answers.
+/// Sends a request of commands.h, as JSON or YAML, and waits for its answer without a time limit.
+/// `token` is ignored on a Unix socket. Throws drivers::EndpointError when there is no answer.
 [[nodiscard]] ControlAnswer ask_control(const ControlEndpoint& endpoint, const std::string& token,
                                         const std::string& request);
 

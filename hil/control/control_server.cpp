@@ -49,7 +49,8 @@ drivers::HttpResponse complaint(int status, const std::string& what) {
   return {status, kJson, Json{{"ok", false}, {"what", what}}.dump(), {}, false};
 }
 
-/// As long a comparison whatever is found, so that its time tells nothing of the token.
+/// Compares in a time that does not depend on `found`, so that timing reveals nothing about the
+/// token.
 bool same(std::string_view found, std::string_view wanted) {
   unsigned difference = found.size() == wanted.size() ? 0 : 1;
   for (std::size_t i = 0; i < wanted.size(); ++i) {

@@ -44,12 +44,12 @@
 
 namespace rigwire::hil {
 
-/// Where a run is governed from.
+/// Where a control server listens.
 struct ControlEndpoint {
-  std::string path;                   ///< Of a Unix socket; empty: a port.
+  std::string path;                   ///< Path of a Unix socket; empty: a port.
   std::string address = "127.0.0.1";  ///< Loopback, numeric.
   std::uint16_t port = 0;             ///< 0: the system chooses one.
-  /// Of a port that is to stay this program's while one run ends and the next begins; null: not.
+  /// Keeps a port open between one run and the next; null: the port is closed.
   std::shared_ptr<drivers::KeptListener> kept;
 };
 
@@ -70,10 +70,10 @@ class ControlServer {
 
  private:
   void serve(const drivers::HttpRequest& request, const drivers::HttpServer::Respond& respond);
-  /// Why it is not served; nothing when it is.
+  /// Returns the response that refuses the request; nullopt when it may be served.
   [[nodiscard]] std::optional<drivers::HttpResponse> objection(
       const drivers::HttpRequest& request) const;
-  /// The same but for the token.
+  /// Checks like objection(), but not the token.
   [[nodiscard]] std::optional<drivers::HttpResponse> objection_to_origin(
       const drivers::HttpRequest& request) const;
   [[nodiscard]] std::optional<drivers::HttpResponse> page(

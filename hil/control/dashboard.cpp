@@ -34,11 +34,11 @@ namespace {
 namespace foxglove = protocols::foxglove;
 using Json = nlohmann::ordered_json;
 
-/// Of wall time: how often viewers are told the time.
+/// Wall time between two times sent to the viewers.
 constexpr std::chrono::milliseconds kTick{100};
-/// Every so many of these, the state of the run.
+/// Number of ticks between two states of the run.
 constexpr unsigned kTicksPerStatus = 5;
-/// Of the truth, simulated: at least.
+/// Minimum period of the truth in the stream, simulated time.
 constexpr Duration kTruthPeriod = std::chrono::milliseconds{20};
 
 /// A service for each alternative of Command, named as its verb.
@@ -138,7 +138,7 @@ bool has_key(const OutlineNode& keys, std::string_view key) {
   });
 }
 
-/// Of a camera, across and down the middle of its picture, rad.
+/// Returns a camera's fields of view across and down the middle of its picture, rad.
 std::pair<double, double> view_of(const sim::CameraKind& kind) {
   if (const auto* const round = std::get_if<sim::AllRoundCameraParameters>(&kind)) {
     constexpr double kRound = 2.0 * std::numbers::pi;
@@ -342,7 +342,7 @@ void Dashboard::offer_commands() {
       ParsedRequest parsed = parse_command(
           json->dump(-1, ' ', false, Json::error_handler_t::replace), "the request", verb);
       desk_thread_.go([this, replied, parsed = std::move(parsed)]() mutable {
-        // Who has a port's token need not be this user.
+        // The client has the port's token, but need not be this user.
         desk_->carry_out_parsed(std::move(parsed), replied, Desk::Asker::anybody);
       });
     };

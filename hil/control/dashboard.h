@@ -54,13 +54,13 @@ class Dashboard {
   void set_parameters(std::vector<ParameterRequest> requests, std::vector<std::string> refused,
                       const StreamParameters::Done& done);
   [[nodiscard]] std::string control_playback(const protocols::foxglove::PlaybackControl& control);
-  /// Goes on to that instant, as a clock that steps can and a recording that is shown; else why
+  /// Seeks to that instant, with a clock that steps or in a replay; returns the reason when it does
   /// not.
   [[nodiscard]] std::string seek(std::uint64_t unix_ns, const std::string& request);
   void tell_playback(std::string_view request, bool did_seek = false);
 
   Crossing viewers_thread_;
-  Crossing desk_thread_;  ///< As seen by viewers.
+  Crossing desk_thread_;  ///< Used by the viewers' thread to call the desk.
   boost::asio::steady_timer timer_;
   RunStream& stream_;
   Executive& executive_;

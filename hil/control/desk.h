@@ -64,55 +64,57 @@ struct GovernedRun {
   std::vector<StateQuantity> quantities;  ///< What RigStatus::machine holds.
   std::function<RigStatus()> status;
   RigFaults& faults;
-  /// As Prometheus text.
+  /// Returns the metrics in Prometheus' text format.
   std::function<std::string()> metrics = [] { return std::string(); };
-  RunEvents* events = nullptr;      ///< What is told here; null: nothing.
-  Recorder* recorder = nullptr;     ///< Null: it cannot be recorded.
-  Hand* hand = nullptr;             ///< Null: there are no sticks.
-  RigSettings* settings = nullptr;  ///< Null: no device is told anything.
-  Showing* shown = nullptr;         ///< The recording that is shown; null: it is a run of its own.
-  /// Below it, and nowhere else, folders of recordings are made for who may be anybody.
+  RunEvents* events = nullptr;      ///< Receives the events; null: no events.
+  Recorder* recorder = nullptr;     ///< Null: the run cannot be recorded.
+  Hand* hand = nullptr;             ///< Null: no manual override.
+  RigSettings* settings = nullptr;  ///< Null: no device can be configured.
+  Showing* shown = nullptr;         ///< The replayed recording; null: this is no replay.
+  /// Only folder below which clients with a port's token may make recordings.
   std::filesystem::path records_below{};
 };
 
 class Desk final : public EventSource {
  public:
   using Answer = std::function<void(const Reply&)>;
-  /// Commands of clients that wait for their instant, at most; one more is refused.
+  /// Maximum number of commands of clients that wait for their instant; one more is refused.
   static constexpr std::size_t kMaxQueued = 1024;
-  /// Requests that wait for events, at most. For one more the oldest is answered with no events.
+  /// Maximum number of requests that wait for events. For one more, the oldest is answered with no
+  /// events.
   static constexpr std::size_t kMaxListeners = 256;
 
-  /// Adds itself to the executive; both must outlive it, as what the run refers to. With a clock
-  /// that steps or waits for clients, time stands from the start, so that clients can come.
+  /// Adds itself to the executive; the executive and all that `run` refers to must outlive it. With
+  /// a clock that steps or waits for clients, time is paused at the start, so that clients can
+  /// connect.
   Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run);
   ~Desk() override;
 
-  /// Of its thread, that of the executive.
+  /// Returns the io_context of its thread, which is the executive's.
   [[nodiscard]] boost::asio::io_context& io() { return io_; }
-  /// `answer` may be called before this returns.
+  /// Executes a request. `answer` may be called before this returns.
   void carry_out(const Request& request, Answer answer);
-  /// Whose request it is.
+  /// Origin of a request.
   enum class Asker {
     owner,    ///< This user.
-    anybody,  ///< Who has the token of a port.
+    anybody,  ///< A client with a port's token.
   };
-  /// The same of what a text has come to: carried out, or answered with what is wrong. Refused,
-  /// too, when kMaxQueued commands wait for their instant.
+  /// Executes a parsed request, or answers with what is wrong with it. Also refuses it when
+  /// kMaxQueued commands wait for their instant, and in a replay when it would change the run.
   void carry_out_parsed(ParsedRequest parsed, Answer answer, Asker asker);
-  /// The same from text, JSON or YAML, which is parsed on this thread: for who is in this process,
-  /// not for texts of clients. `name` stands for it in messages.
+  /// Parses and executes text, JSON or YAML, on this thread: for callers in this process, not for
+  /// texts of clients. `name` is the text's name in messages.
   void carry_out(const std::string& text, const std::string& name, Answer answer,
                  Asker asker = Asker::owner);
-  /// The same at that instant, whatever the text says of it.
+  /// Executes a text at the instant `at`, whatever instant the text gives.
   void carry_out_at(SimTime at, const std::string& text, const std::string& name, Answer answer);
   [[nodiscard]] std::string metrics() const { return run_.metrics(); }
   [[nodiscard]] ClockMode clock() const { return run_.clock; }
-  /// Null: it is a run of its own.
+  /// Returns the replayed recording; null: this is no replay.
   [[nodiscard]] const Showing* shown() const { return run_.shown; }
-  /// What has been changed of the run, and can be.
+  /// Returns what has been, and can be, changed in the run.
   [[nodiscard]] const LiveChanges& changes() const { return *changes_; }
-  /// Answers all that still waits: the run has ended.
+  /// Answers all waiting requests: the run has ended.
   void end();
 
   [[nodiscard]] SimTime next_event() const override;

@@ -46,30 +46,30 @@ class LiveChanges {
   /// All of its keys or none; of a device those before the one that it refuses.
   [[nodiscard]] Ruling set(const SetCommand& command);
 
-  /// What `set` can set, and its value as a rig's file has it; empty: no hand holds it.
+  /// A key that `set` can set, and its value as in a rig's file; empty: it is not overridden.
   struct Setting {
     std::string on;
     std::string key;
     std::string value;
   };
   [[nodiscard]] std::vector<Setting> settings() const;
-  /// Of that thing; empty: nothing of it can be set.
+  /// Returns the keys of `on` that can be set; empty: none.
   [[nodiscard]] std::vector<std::string> keys(const std::string& on) const;
-  /// The machine's set points, with their range where it is known.
+  /// Returns the machine's set points, with their ranges where they are known.
   [[nodiscard]] nlohmann::ordered_json set_points() const;
-  /// What a hand has brought there by its kind; null: this rig has no air.
+  /// Returns the manual overrides of the air by their kind; null: this rig has no air.
   [[nodiscard]] nlohmann::ordered_json air() const;
 
  private:
   struct Brought {
     RigFaults::Id id = 0;
-    std::string value;  ///< As it was written.
+    std::string value;  ///< Value as it was written.
   };
 
   [[nodiscard]] Ruling set_machine(const SetCommand& command, const Value& keys);
   [[nodiscard]] Ruling set_air(const Value& keys);
   [[nodiscard]] Ruling set_device(const SetCommand& command, const Value& keys);
-  /// What has keys().
+  /// Returns the names for which keys() is not empty.
   [[nodiscard]] std::vector<std::string> things() const;
   [[nodiscard]] std::string value(const std::string& on, const std::string& key) const;
   [[nodiscard]] bool has_air() const;

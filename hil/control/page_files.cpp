@@ -17,9 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Row {
-  std::string_view path;     ///< As a client asks.
-  std::string_view file;     ///< In its folder.
-  std::string_view package;  ///< Debian's; empty: of the page itself.
+  std::string_view path;     ///< Path in a client's request.
+  std::string_view file;     ///< Name in its folder.
+  std::string_view package;  ///< Debian package; empty: part of the page itself.
 };
 
 constexpr std::array<Row, 25> kRows{{

@@ -26,7 +26,7 @@ ConfiguredDevice replay_device(ReplayConfiguration configuration) {
   return device;
 }
 
-/// Of each wire what its device sent within the piece.
+/// Count of what the device of one wire sent within the piece.
 struct Sent {
   std::uint64_t units = 0;
   std::uint64_t datagrams = 0;

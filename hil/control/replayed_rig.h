@@ -19,7 +19,7 @@ struct ReplayedPiece {
 
 struct ReplayedRig {
   RigConfiguration configuration;
-  Duration length{0};                ///< Of the piece, as it is played; of one round of a loop.
+  Duration length{0};  ///< Length of the piece at its speed; of one round with `loop`.
   std::vector<std::string> remarks;  ///< Wires that cannot be played, a line each.
 };
 

@@ -32,32 +32,34 @@ class Rerun {
   Rerun(const Rerun&) = delete;
   Rerun& operator=(const Rerun&) = delete;
 
-  /// What is not as in the recorded run, and what is not done again.
+  /// Returns what differs from the recorded run, and what is not repeated.
   [[nodiscard]] const std::vector<std::string>& remarks() const { return remarks_; }
   [[nodiscard]] const RecordingContents& contents() const { return contents_; }
   [[nodiscard]] const RigConfiguration& recorded() const { return recorded_; }
-  /// With wires of its own.
+  /// Returns the configuration with wires of its own.
   [[nodiscard]] const RigConfiguration& configuration() const { return configuration_; }
   [[nodiscard]] const OwnEnds& own_ends() const { return own_ends_; }
   [[nodiscard]] std::size_t client_acts() const { return clients_.size(); }
-  /// For what is needed on the way; removed with it.
+  /// Returns a folder for temporary files, which is removed with this object.
   [[nodiscard]] const std::filesystem::path& folder() const { return own_.path(); }
-  /// Up to where the recording tells anything: reads all of it.
+  /// Returns the last instant of anything in the recording, all of which it reads.
   [[nodiscard]] SimTime last_instant() const;
-  /// Of the recorded run; of one that was killed the last instant.
+  /// Returns the end of the recorded run; for a run that was killed, its last instant.
   [[nodiscard]] SimTime end() const { return end_; }
-  /// What happened in it: messages of TruthTrack::events.
+  /// Returns the events of the recorded run: messages of TruthTrack::events.
   [[nodiscard]] const std::vector<RecordedAct>& events() const { return events_; }
 
   // One run, in this order, and when it is over the next one. What is given must outlive it.
 
-  /// Nothing is left of the run before.
+  /// Resets the state of the previous run.
   void begin_again() { clients_.begin_again(); }
-  /// Before the rig is made.
+  /// To be called before the rig is made.
   void join(Recorder& recorder);
-  /// When it is, before the desk: what they did, and when the truth followed.
+  /// Adds the recorded actions of the clients and the instants at which the truth followed them; to
+  /// be called after the rig is made, before the desk is.
   void add_clients(Rig& rig);
-  /// When the desk is. `refused` hears of what it does not do again.
+  /// Executes the recorded commands; to be called after the desk is made. `refused` is called for
+  /// each command that it does not repeat.
   void govern(Desk& desk, const std::function<void(const std::string& what)>& refused) const;
 
  private:

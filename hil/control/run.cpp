@@ -99,7 +99,7 @@ class Interrupts {
 RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOptions& options,
                    RunLog& log, RunEvents& events) {
   if (options.shown != nullptr) {
-    // Who looks at it takes each slice in the time that it lasts.
+    // Viewers receive each slice in the time that it lasts.
     const auto shown = [&] {
       return options.shown->pace().lets_go(rig.executive().now(), std::chrono::steady_clock::now());
     };

@@ -22,13 +22,13 @@ namespace rigwire::hil {
 
 class Showing;
 
-/// A run as somebody sees it who looks on.
+/// A run as an Onlooker sees it.
 struct RunView {
   RunLog& log;
-  boost::asio::io_context& io;  ///< Of the run; runs on the wire thread.
+  boost::asio::io_context& io;  ///< The run's io_context; runs on the wire thread.
   const RigConfiguration& configuration;
-  std::string config_hash;                ///< Of what the run began with.
-  std::vector<std::string> wires;         ///< What carries each bus, a line each.
+  std::string config_hash;                ///< Hash of the configuration at the start.
+  std::vector<std::string> wires;         ///< What carries each bus, one line each.
   std::vector<StateQuantity> quantities;  ///< What RigStatus::machine holds.
   std::function<RigStatus()> status;      ///< To be called on the wire thread.
   /// From any thread: the reader of standard output is gone, and the run ends as by SIGPIPE.
@@ -56,8 +56,10 @@ struct RunOptions {
   ClockMode clock;
   OverrunPolicy overrun = OverrunPolicy::slip;  ///< With a clock that follows the wall's.
   Duration overrun_limit = std::chrono::milliseconds{100};
-  bool awake = false;  ///< Likewise: processors do not sleep (hil/executive/awake_processors.h).
-  /// With the clock that waits for clients: wall time, each time.
+  /// With a clock that follows the wall's: processors do not sleep
+  /// (hil/executive/awake_processors.h).
+  bool awake = false;
+  /// With the clock that waits for clients: wall time of each wait.
   std::chrono::nanoseconds patience = std::chrono::seconds{1};
   std::optional<Duration> duration;  ///< Simulated time; without it until a signal.
   std::string report_path;           ///< Empty: no report; "-": standard output.
@@ -66,8 +68,8 @@ struct RunOptions {
   RecordOptions record;
   std::string camera_truth_folder;  ///< Empty: as the rig says.
   LogLevel log_level = LogLevel::info;
-  std::optional<ControlEndpoint> control;  ///< Where it is governed from; nothing: nowhere.
-  /// Of requests at a port; empty: one is made and told with the address.
+  std::optional<ControlEndpoint> control;  ///< Where it is controlled from; empty: nowhere.
+  /// Token for requests at a port; empty: one is generated and reported with the address.
   std::string control_token;
   /// A page that shows what happens (hil/control/dashboard.h), at the control's port; without one
   /// at a port of its own.
@@ -83,7 +85,7 @@ struct RunOptions {
   /// The recording that is shown, of whose configuration() this is a run; null: it is a run of its
   /// own. With a page, a clock that follows the wall's and no duration, files or folders.
   Showing* shown = nullptr;
-  /// Of the configuration, for what the start is refused by; may be null.
+  /// Origins of the configuration, for messages that refuse the start; may be null.
   const Origins* origins = nullptr;
 };
 

@@ -11,9 +11,10 @@
 namespace rigwire::hil {
 namespace {
 
-/// Who looks on is waited for this long before the instant: a turn of any lidar, a picture, a fix.
+/// Simulated time before the instant at which viewers are awaited: a turn of any lidar, a picture,
+/// a fix.
 constexpr Duration kSeenBefore = std::chrono::milliseconds{500};
-/// A page loads again, and asks for what it shows; at most.
+/// Wall time within which a page has loaded again and subscribed, at most.
 constexpr std::chrono::seconds kReturn{20};
 constexpr std::chrono::milliseconds kViewerLook{100};
 

@@ -20,12 +20,12 @@ class Desk;
 
 class Showing {
  public:
-  /// Which must outlive it.
+  /// `rerun` must outlive it.
   explicit Showing(Rerun& rerun) : rerun_(rerun), pace_(course_.factor) {}
 
   [[nodiscard]] Rerun& rerun() { return rerun_; }
   [[nodiscard]] const Rerun& rerun() const { return rerun_; }
-  /// The recorded one: time goes no further.
+  /// Returns the recorded end: time goes no further.
   [[nodiscard]] SimTime end() const { return rerun_.end(); }
 
   /// From where, and how.

@@ -29,14 +29,14 @@ namespace rigwire::hil {
 
 using NodeMemory = std::unique_ptr<emulators::NonvolatileMemory>;
 
-/// What an emulator answers that is built of `arguments` and an output that leads nowhere: `ask` is
-/// given the emulator.
+/// Builds an emulator of `arguments` and an output without a receiver, and returns what `ask`
+/// returns for it.
 template <class Emulator, class Ask, class... Arguments>
 [[nodiscard]] auto asked(const Ask& ask, const Arguments&... arguments) {
   emulators::NullFrameOutput nowhere;
   return ask(Emulator(arguments..., nowhere));
 }
-/// The same for an emulator that remembers.
+/// Does the same as asked() for an emulator with a nonvolatile memory.
 template <class Emulator, class Ask, class Settings>
 [[nodiscard]] auto asked_with_memory(const Ask& ask, const Settings& settings) {
   emulators::VolatileMemory memory;
@@ -81,7 +81,7 @@ template <class Settings>
   return settings;
 }
 
-/// The backend that a station gives its samples to, with faults laid over them.
+/// Backend between a station and an emulator that applies faults to the samples.
 template <class Backend>
 class FaultyUpdate : public Backend {
  public:
@@ -110,7 +110,7 @@ class FaultyBackend final : public FaultyUpdate<Backend> {
  public:
   using FaultyUpdate<Backend>::FaultyUpdate;
 };
-/// Of a device that commands something.
+/// Backend of a device that also sends commands.
 template <Commands Backend>
 class FaultyBackend<Backend> final : public FaultyUpdate<Backend> {
  public:

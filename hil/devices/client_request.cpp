@@ -17,7 +17,7 @@ namespace {
 
 using protocols::modbus::Addressed;
 
-/// Of UBX messages (u-blox receiver description, section "UBX class IDs").
+/// Class numbers of UBX messages (u-blox receiver description, section "UBX class IDs").
 struct ClassRow {
   std::uint8_t number;
   std::string_view name;

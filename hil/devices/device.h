@@ -42,7 +42,7 @@ struct DeviceStatus {
   std::optional<ClientRequest> last_request;      ///< What the device understood of it last.
 };
 
-/// Who hears of every fix of a satellite receiver: a lidar for its time, a vehicle gateway for its
+/// Receives every fix of a satellite receiver: a lidar for its time, a vehicle gateway for its
 /// position.
 class FixListener {
  public:
@@ -54,15 +54,15 @@ class FixListener {
 class FixSource {
  public:
   virtual ~FixSource() = default;
-  /// `listener` hears of every fix from now on, and must outlive the source's use.
+  /// Notifies `listener` of every fix from now on; it must outlive the source's use.
   virtual void inform(FixListener& listener) = 0;
 };
 
-/// Who hears what a base station sends to its rovers, byte by byte.
+/// Receives the bytes that a base station sends to its rovers.
 class CorrectionListener {
  public:
   virtual ~CorrectionListener() = default;
-  /// `baud`: at which the line carries them.
+  /// `baud`: rate at which the line carries the bytes.
   virtual void hear_corrections(SimTime now, std::span<const std::uint8_t> bytes,
                                 std::uint32_t baud) = 0;
 };
@@ -143,11 +143,12 @@ class Device {
 class Neighbours {
  public:
   virtual ~Neighbours() = default;
-  /// The fixes of the device of that name, of the first that has any for an empty name; else null.
+  /// Returns the fix source of the device `name`, or for an empty name of the first that has one;
+  /// null: none.
   [[nodiscard]] virtual FixSource* fixes_of(const std::string& name) const = 0;
-  /// The line of the base station of that name; null: it is none.
+  /// Returns the corrections of the base station `name`; null: it is none.
   [[nodiscard]] virtual CorrectionSource* corrections_of(const std::string& name) const = 0;
-  /// Of every device that has any.
+  /// Returns the valves of every device that has some.
   [[nodiscard]] virtual std::vector<const ValveSource*> valves() const = 0;
 };
 

@@ -32,7 +32,7 @@ struct DevicePlan {
 /// What a device does on a CAN bus by itself. Every member is an answer of the emulator's.
 struct BusShare {
   std::string bus;   ///< One of the rig's.
-  double frames_hz;  ///< As configured, and as if a master had started it.
+  double frames_hz;  ///< Rate as configured, and as if a master had started it.
   std::vector<protocols::can::OwnedMessage> messages;  ///< For the bus's DBC file.
 };
 
@@ -91,11 +91,11 @@ class DeviceConfiguration {
   /// std::runtime_error (configuration).
   [[nodiscard]] virtual std::unique_ptr<Device> make(Site& site) const = 0;
 
-  /// Of a CANopen node: its EDS file (protocols/canopen/eds.h).
+  /// Returns the EDS file of a CANopen node (protocols/canopen/eds.h).
   [[nodiscard]] virtual std::optional<std::string> electronic_data_sheet() const {
     return std::nullopt;
   }
-  /// Whether it receives satellites, so that others can be told by it where and when they are.
+  /// Whether it is a satellite receiver, from which others can get time and position.
   [[nodiscard]] virtual bool is_receiver() const { return false; }
   /// Whether it makes pictures, behind which there is a truth (run --camera-truth).
   [[nodiscard]] virtual bool is_camera() const { return false; }

@@ -46,13 +46,13 @@ constexpr double kThroughput_bps = 200e6;
 /// Loopback carries it in one piece, at half the cost of packets of 1500 bytes.
 constexpr int kPacketSize = 8192;
 
-/// Of cameras whose pictures have several parts.
+/// Default frame period of cameras whose pictures have several parts.
 constexpr Duration kFramePeriodOfSeveral = std::chrono::milliseconds(100);
 
-/// In the sun, at the aperture of a lens as it is by itself.
+/// Default exposure time, for sunlight at the lens's default aperture.
 constexpr Duration kDaylightExposure = std::chrono::milliseconds(1);
 
-/// Of a sensor whose rows all begin together, to read one of them out.
+/// Time to read out one row of a sensor with a global shutter.
 constexpr Duration kGlobalRowTime = std::chrono::microseconds(10);
 
 std::uint32_t parse_address(const char* key, const std::string& text) {
@@ -186,7 +186,7 @@ class GigeCameraDevice final : public Device {
   }
 
  private:
-  /// Of one address.
+  /// UDP ports of the camera at one address.
   struct Ports {
     Ports(boost::asio::io_context& io, std::uint32_t address)
         : control(io, {.address = address, .port = gev::kGvcpPort, .broadcasts = true}),
@@ -256,7 +256,7 @@ class GigeCameraDevice final : public Device {
 
   boost::asio::io_context& io_;
   std::unique_ptr<emulators::NonvolatileMemory> memory_;
-  std::uint32_t address_;  ///< Of the ports.
+  std::uint32_t address_;  ///< Address of the ports.
   std::unique_ptr<Ports> ports_;
   AddressedOutlet control_outlet_;
   AddressedOutlet stream_outlet_;

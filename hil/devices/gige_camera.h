@@ -17,14 +17,15 @@
 namespace rigwire::hil {
 
 struct GigeCameraConfiguration final : DeviceConfigurationOf<GigeCameraConfiguration> {
-  std::string address = "127.0.0.2";  ///< Of the camera; clients ask at its port 3956.
+  std::string address = "127.0.0.2";  ///< The camera's address; clients use its port 3956.
   bool allow_remote = false;          ///< Needed for addresses outside this machine.
-  std::string netmask = "255.0.0.0";  ///< With allow_remote: who is answered.
-  std::string gateway = "0.0.0.0";    ///< With allow_remote: what the camera tells of it.
-  std::string mac;                    ///< Empty: 02:52 and the address.
-  std::string settings_file;          ///< What a client saved; empty: lasts as long as the run.
-  MountConfiguration mount;           ///< Frame S: x forward along the optical axis.
-  bool sees_own_link = false;         ///< Whether shapes of the mount's link can be seen.
+  /// With allow_remote: the network whose clients are answered.
+  std::string netmask = "255.0.0.0";
+  std::string gateway = "0.0.0.0";  ///< With allow_remote: the gateway that the camera reports.
+  std::string mac;                  ///< Empty: 02:52 and the address.
+  std::string settings_file;        ///< What a client saved; empty: lasts as long as the run.
+  MountConfiguration mount;         ///< Frame S: x forward along the optical axis.
+  bool sees_own_link = false;       ///< Whether shapes of the mount's link can be seen.
   Duration processing = std::chrono::milliseconds(100);
   emulators::GigeCameraSettings camera;  ///< But for what settings_of() fills in from the others.
   sim::CameraKind sensor;

@@ -22,8 +22,8 @@ namespace {
 using fields::in;
 
 struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration> {
-  Vector3 position_m{100.0, 0.0, 2.0};  ///< Of the antenna in the world: east, north, up.
-  Vector3 claim_offset_m;               ///< By which the place that it tells is off.
+  Vector3 position_m{100.0, 0.0, 2.0};  ///< Position of the antenna in the world: east, north, up.
+  Vector3 claim_offset_m;               ///< Offset of the reported position from it.
   std::uint16_t station = 1;
   std::vector<std::string> messages{"RTCM-1005", "RTCM-1077", "RTCM-1230"};
   Duration period = std::chrono::seconds{1};

@@ -17,7 +17,7 @@
 
 namespace rigwire::hil {
 
-/// A satellite antenna, with what happens to its signals.
+/// Mounts a satellite antenna with its faults.
 void mount_antenna(Site& site, StationIndex station, const MountConfiguration& mount,
                    const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults);
 /// Bands of a receiver's radio part.
@@ -26,12 +26,13 @@ enum class RadioBands : unsigned char { one, two };
   return sensor.second_signals ? RadioBands::two : RadioBands::one;
 }
 
-/// The port for more of them, as truth_faults() makes it. What happens to one band alone is refused
-/// where there is but one.
+/// Returns the port for further faults of an antenna, as truth_faults() makes it. A fault of a
+/// single band is refused for a receiver with one band.
 [[nodiscard]] std::unique_ptr<FaultPort> antenna_faults(Executive& executive, Station& station,
                                                         RadioBands bands,
                                                         const std::vector<sim::GnssFault>& faults);
-/// The same of fault `index` in the list of a rig's file; `at`: the path of the device's keys.
+/// Refuses fault `index` of a rig's file if it jams a single band of a receiver with one band;
+/// `at`: key path of the device.
 void check_band(const sim::JammingFault& jamming, std::size_t index, RadioBands bands,
                 const std::string& at, RigCheck& check);
 template <class Faults>
@@ -43,7 +44,7 @@ void check_bands(const Faults& faults, RadioBands bands, const std::string& at, 
   }
 }
 
-/// The same on the ground, at that place in the world.
+/// Sets up an antenna with its faults on the ground, at the point `p_W` of the world.
 void set_up_antenna(Site& site, StationIndex station, const Eigen::Vector3d& p_W,
                     const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults);
 
@@ -59,11 +60,11 @@ void mount_inertial_unit(Site& site, StationIndex station, const MountConfigurat
 struct JointConfiguration {
   std::string base = "undercarriage";  ///< Link that carries the housing.
   std::string link = "upper";          ///< Link that turns the shaft.
-  char axis = 'z';                     ///< Of the base link.
+  char axis = 'z';  ///< Axis of the base link about which the shaft turns: x, y or z.
 };
-/// Its keys, among those of the device.
+/// Visits its keys, which stand among those of the device.
 void visit(fields::Visitor& v, JointConfiguration& p);
-/// `at`: the path of those keys.
+/// `at`: key path of the joint's keys.
 void check_joint(const JointConfiguration& joint, const std::string& at, RigCheck& check);
 void mount_encoder(Site& site, StationIndex station, const JointConfiguration& joint);
 

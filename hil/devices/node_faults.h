@@ -14,7 +14,7 @@
 
 namespace rigwire::hil {
 
-/// Of a node whose samples no fault can be of.
+/// Sample type of a node whose samples have no faults.
 struct NoSample {};
 
 template <class Sample, class... Own>
@@ -29,21 +29,21 @@ struct NodeFaultOf<Sample, Own...> {
 template <class Sample, class... Own>
 using NodeFault = typename NodeFaultOf<Sample, Own...>::Type;
 
-/// Those of its frames and of its program.
+/// Faults of a node's frames and of its firmware.
 struct AnyNodeFaults {
   std::vector<emulators::FrameFault> frames;
-  std::vector<emulators::PaceFault> pace;        ///< Of an emulator with pace(),
-  std::vector<emulators::RefusalFault> refusal;  ///< of one with refusal().
+  std::vector<emulators::PaceFault> pace;        ///< For an emulator with pace().
+  std::vector<emulators::RefusalFault> refusal;  ///< For an emulator with refusal().
 };
-/// And of what it measures.
+/// Faults of a node, those of its samples included.
 template <class Sample>
 struct NodeFaults : AnyNodeFaults {};
 template <emulators::HasQuantities Sample>
 struct NodeFaults<Sample> : AnyNodeFaults {
   std::vector<emulators::SampleFault<Sample>> samples;
-  bool of_samples = true;  ///< Whether there can be such.
+  bool of_samples = true;  ///< Whether the node's samples can have faults.
 };
-/// Acts out those of what it measures.
+/// Applies the faults of a node's samples.
 template <class Sample>
 class NodeSamples {
  public:

@@ -202,7 +202,8 @@ class ReplayDevice final : public Device, private EventSource {
     return source.align == ReplayedAlignment::gps ? std::optional(find_gps_alignment(source))
                                                   : std::nullopt;
   }
-  /// Of the file's own count, where GPS time says where the run begins in it.
+  /// Returns the instant of the run's start in the file's own clock when it is aligned by GPS time;
+  /// nullopt otherwise.
   [[nodiscard]] std::optional<std::int64_t> zero_ns(const ReplaySourceSettings& source,
                                                     const Site& site) const {
     if (!alignment_) {

@@ -33,12 +33,14 @@ struct RigView {
   const std::map<std::string, BusConfiguration>& buses;
   const std::map<std::string, ModbusLineConfiguration>& modbus;
   const UsbConfiguration& usb;
-  std::vector<std::string> links;          ///< Of the machine.
-  std::vector<std::string> actuators;      ///< Of the machine's valve block; empty: it has none.
-  bool drives = false;                     ///< The machine has a drive train.
-  bool has_power_unit = false;             ///< The machine has an engine that drives pumps.
-  std::vector<std::string> receivers;      ///< Names of the devices that receive satellites.
-  std::vector<std::string> base_stations;  ///< Of those that send corrections over a line.
+  std::vector<std::string> links;  ///< Links of the machine.
+  /// Actuators of the machine's valve block; empty: it has none.
+  std::vector<std::string> actuators;
+  bool drives = false;                 ///< The machine has a drive train.
+  bool has_power_unit = false;         ///< The machine has an engine that drives pumps.
+  std::vector<std::string> receivers;  ///< Names of the satellite receivers.
+  /// Names of the devices that send corrections over a line.
+  std::vector<std::string> base_stations;
 };
 
 /// What a client of the rig's USB devices attaches to.
@@ -49,11 +51,11 @@ class Site {
  public:
   virtual ~Site() = default;
 
-  /// Of the device in the rig.
+  /// Returns the name of the device in the rig.
   [[nodiscard]] virtual const std::string& name() const = 0;
-  /// Of every random stream of the rig; streams are told apart by name.
+  /// Returns the seed of every random stream of the rig; the streams are distinguished by name.
   [[nodiscard]] virtual std::uint64_t seed() const = 0;
-  /// Of what is random in the device itself: of its stream "<name>/<stream>".
+  /// Returns the seed of the device's own random stream "<name>/<stream>".
   [[nodiscard]] virtual std::uint64_t stream_seed(std::string_view stream) const = 0;
   [[nodiscard]] std::uint64_t device_seed() const { return stream_seed("line"); }
   [[nodiscard]] virtual const Calendar& calendar() const = 0;
@@ -70,7 +72,7 @@ class Site {
   /// Light and air of the rig's cameras.
   [[nodiscard]] virtual const std::shared_ptr<CameraSurroundings>& surroundings() const = 0;
   [[nodiscard]] virtual const std::shared_ptr<const sim::Constellation>& satellites() const = 0;
-  /// Of the rig's receivers.
+  /// Returns the antennas of the rig's receivers.
   [[nodiscard]] virtual const std::shared_ptr<sim::AntennaBook>& antennas() const = 0;
   [[nodiscard]] virtual const sim::LocalFrame& frame() const = 0;
   /// Throws std::invalid_argument when the machine has no such link.

@@ -16,13 +16,13 @@ namespace rigwire::hil {
 
 /// John Deere StarFire 3000.
 struct StarFireConfiguration final : DeviceConfigurationOf<StarFireConfiguration> {
-  std::string path =
-      "/tmp/rigwire/starfire";  ///< Symbolic link to the pty; empty = no serial line.
-  unsigned ports =
-      1;  ///< Of the serial line: all receive from the device, which receives from the first.
+  /// Symbolic link to the pty; empty = no serial line.
+  std::string path = "/tmp/rigwire/starfire";
+  /// Number of ptys: all receive from the device, which receives from the first.
+  unsigned ports = 1;
   BaudCheck check_baud = BaudCheck::lenient;
   std::string bus;           ///< One of the rig's buses; empty = no node.
-  MountConfiguration mount;  ///< Of the antenna.
+  MountConfiguration mount;  ///< Mount of the antenna.
   emulators::StarFireSettings receiver;
   sim::GnssParameters sensor;
   std::vector<MixedFault<sim::GnssFault, emulators::SupplyFault>> faults;

@@ -21,14 +21,15 @@ enum class SerialWire { pty, usb };
 struct UbloxConfiguration final : DeviceConfigurationOf<UbloxConfiguration> {
   SerialWire wire = SerialWire::pty;
   std::string path = "/tmp/rigwire/gnss";  ///< Symbolic link to the pty that a client opens.
-  unsigned ports = 1;  ///< On a pty: all receive from the device, which receives from the first.
+  /// Number of ptys: all receive from the device, which receives from the first.
+  unsigned ports = 1;
   BaudCheck check_baud = BaudCheck::lenient;
-  MountConfiguration mount;  ///< Of the antenna.
+  MountConfiguration mount;  ///< Mount of the antenna.
   emulators::UbloxSettings receiver;
   sim::GnssParameters sensor;
   std::vector<MixedFault<PlugFault, sim::GnssFault, emulators::UbloxFault, emulators::SupplyFault>>
       faults;
-  /// The base station whose line its second UART hears; empty: none.
+  /// The base station whose corrections its second UART receives; empty: none.
   std::string corrections_from;
 
   explicit UbloxConfiguration(const emulators::UbloxProfile& profile = emulators::ublox_neo_7p());

@@ -69,7 +69,7 @@ class LeverMover final : public EventSource {
   emulators::HidJoystick& levers_;
   emulators::FaultySamples<JoystickSample> faults_;
   std::vector<const ValveSource*> valves_;
-  ValveCommand command_;  ///< Of all of them, by the machine's actuators.
+  ValveCommand command_;  ///< Command of all valve sources together, by the machine's actuators.
   SimTime next_ = kStart;
 };
 

@@ -15,10 +15,10 @@
 
 namespace rigwire::hil {
 
-/// A fault of its amplifier or its supply, or of the Modbus line where that is its own.
+/// A fault of its amplifier or its supply, or of its own Modbus line.
 struct ValveDriverFault {
   FaultPeriod when;
-  emulators::ModbusFaultScope scope;  ///< Of those of the line.
+  emulators::ModbusFaultScope scope;  ///< Scope of a fault of the line.
   EitherOf<decltype(emulators::ValveDefect::what), decltype(emulators::SupplyFault::what),
            decltype(emulators::ModbusFault::what)>::Type what;
 };
@@ -30,7 +30,8 @@ struct ValveDriverConfiguration final : DeviceConfigurationOf<ValveDriverConfigu
   std::uint16_t port = 1502;
   bool allow_remote = false;  ///< Needed to listen where other machines reach it.
   std::uint8_t unit = 1;      ///< On its Modbus line, 1 .. 247.
-  Duration processing_delay = std::chrono::microseconds(300);  ///< Of its own server.
+  /// Delay of the answers of its own server.
+  Duration processing_delay = std::chrono::microseconds(300);
   std::string map;  ///< File of the registers (hil/files/valve_map_file.h); empty: Rigwire's own.
   emulators::ValveDriverSettings driver;
   std::vector<ValveDriverFault> faults;

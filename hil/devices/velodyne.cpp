@@ -119,7 +119,7 @@ drivers::UdpSettings as_the_model(const VelodyneConfiguration& configuration, st
   return settings;
 }
 
-/// The same from a port of the system's choice.
+/// Returns `settings` with a source port that the system chooses.
 drivers::UdpSettings from_any_port(const VelodyneConfiguration& configuration,
                                    drivers::UdpSettings settings) {
   settings.bind.reset();
@@ -252,7 +252,7 @@ class VelodyneDevice final : public Device, private FixListener {
     }
     return why;
   }
-  /// Of the web interface.
+  /// Returns the last request to the web interface.
   [[nodiscard]] std::optional<ClientRequest> last_request() const override { return last_request_; }
   [[nodiscard]] std::uint64_t dropped() const override {
     return statistics().dropped + lidar_.packets_lost();

@@ -25,14 +25,16 @@ struct LidarWebConfiguration {
 };
 
 enum class SourcePorts {
-  automatic,  ///< As the model where that can be had and takes no port from a client, else `any`.
-  any,        ///< The system chooses.
-  model,      ///< As the model: the destination's port, or the HDL models' 443. Refused otherwise.
+  /// The model's port, unless it is taken or a client on this machine needs it: then `any`.
+  automatic,
+  any,  ///< The system chooses.
+  /// The model's port: the destination's, or 443 for the HDL models. An error if it is taken.
+  model,
 };
 
 struct VelodyneConfiguration final : DeviceConfigurationOf<VelodyneConfiguration> {
   bool allow_remote = false;   ///< Needed for addresses outside this machine.
-  std::string source_address;  ///< Of the packets; empty: the system chooses.
+  std::string source_address;  ///< Source address of the packets; empty: the system chooses.
   SourcePorts source_ports = SourcePorts::automatic;
   LidarWebConfiguration web;
   std::string time_source{kAutomaticTimeSource};  ///< One of the words below, or a device's name.

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kWhat = "processors are not kept awake";
 
-/// Of the calling thread.
+/// Returns the processors on which the calling thread may run.
 cpu_set_t own_processors() {
   cpu_set_t own;
   if (::sched_getaffinity(0, sizeof own, &own) != 0) {
@@ -46,7 +46,7 @@ void turn(const std::atomic<bool>& ended) {
   }
 }
 
-/// Of one control group.
+/// Returns the CPU limit of one control group, in processors; nullopt: no limit.
 std::optional<double> limit_of(const fs::path& group) {
   std::ifstream file(group / "cpu.max");
   double quota_us = 0.0;  // "max" is no number

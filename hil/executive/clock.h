@@ -22,15 +22,17 @@ using WallTime = std::chrono::steady_clock::time_point;
 struct ClockMode {
   enum class Kind {
     real,
-    free,     ///< As fast as it goes.
-    scaled,   ///< Real time, times `factor`.
-    step,     ///< As free, but time stands at the start and moves only when told.
-    drained,  ///< As free, but waits until clients have taken what was sent (client_drain.h).
+    free,    ///< Runs as fast as possible.
+    scaled,  ///< Real time, times `factor`.
+    /// Runs as fast as possible, but is paused at the start and advances on command only.
+    step,
+    /// Runs as fast as possible, but waits until clients have taken what was sent (client_drain.h).
+    drained,
   };
   Kind kind = Kind::real;
   double factor = 1.0;  ///< Simulated seconds per wall second; 1 when real, else meaningless.
 
-  /// Whether it follows the wall's.
+  /// Returns whether it follows the wall clock.
   [[nodiscard]] bool paced() const { return kind == Kind::real || kind == Kind::scaled; }
 
   friend bool operator==(const ClockMode&, const ClockMode&) = default;

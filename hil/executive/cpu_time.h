@@ -24,7 +24,8 @@ class StageTimer {
   double start_s_;
 };
 
-/// The same for stages that follow each other: one reading of the clock between two of them.
+/// Adds the CPU time of consecutive stages to an account each; reads the clock once between two of
+/// them.
 class StageLaps {
  public:
   /// CPU time from here on belongs to the next lap.

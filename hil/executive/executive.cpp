@@ -259,7 +259,7 @@ class Executive::TruthThread {
 
   boost::asio::io_context& io_;
   TruthSource& truth_;
-  bool& woken_;  ///< Of the wire thread; written on it only.
+  bool& woken_;  ///< Wakes the wire thread, which alone writes it.
   std::atomic<bool> awaited_{false};
   Duration lead_;
   BatchRing ring_;
@@ -607,7 +607,7 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     }
     serve(kServedPaced);
   }
-  // Who stopped it may have run devices further than their output had left.
+  // Devices may have been run further than their output was sent when the run was stopped.
   laps_.begin();
   transmit_due(now_);
 

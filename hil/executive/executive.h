@@ -169,32 +169,33 @@ class Executive {
   void pause();
   void resume();
   [[nodiscard]] bool paused() const { return paused_; }
-  /// Another pace; nothing when it runs freely. Precondition: factor > 0.
+  /// Sets another pace; without effect when it runs freely. Precondition: factor > 0.
   void set_factor(double factor);
 
   /// Runs as fast as possible until `end` (kNever: until stop()).
   RunOutcome run_free(SimTime end) { return run_free(end, {}); }
-  /// The same, and goes on behind each slice when clients have taken what was due in it. They are
-  /// served meanwhile. An empty `taken` waits for nobody.
+  /// Runs like run_free(end), and after each slice waits until clients have taken what was due in
+  /// it. They are served meanwhile. An empty `taken` does not wait.
   RunOutcome run_free(SimTime end, const ClientPatience& clients);
   /// Runs against wall time until `end` (kNever: until stop()).
   RunOutcome run_paced(const PacedSettings& settings, SimTime end);
 
-  /// Present simulated time: of the wire side.
+  /// Returns the present simulated time on the wire side.
   [[nodiscard]] SimTime now() const { return now_; }
-  /// Up to where samples are known, which machine_state() is of; not before now().
+  /// Returns the end of the known samples, the time of machine_state(); not before now().
   [[nodiscard]] SimTime frontier() const { return frontier_; }
-  /// The first instant from which the truth follows what is asked of it now.
+  /// Returns the first instant from which the truth follows a request made now.
   [[nodiscard]] SimTime soonest_request() { return soonest_request(now_); }
-  /// The same for what comes of the slice up to `asked`.
+  /// Returns the first instant from which the truth follows a request made in the slice up to
+  /// `asked`.
   [[nodiscard]] SimTime soonest_request(SimTime asked);
-  /// As now(), from any thread.
+  /// Returns now(); may be called from any thread.
   [[nodiscard]] SimTime reached() const { return reached_.load(std::memory_order_relaxed); }
-  /// Given up so far against wall time because the host stalled.
+  /// Returns the wall time given up so far because the host stalled.
   [[nodiscard]] Duration slipped() const {
     return clock_ == nullptr ? Duration{0} : clock_->slipped();
   }
-  /// Of the run so far. On the wire thread.
+  /// Returns the outcome of the run so far. To be called on the wire thread.
   [[nodiscard]] RunOutcome outcome() const;
   /// The machine's state at the newest sample batch; empty before the first.
   [[nodiscard]] const std::vector<double>& machine_state() const { return machine_state_; }
@@ -229,7 +230,7 @@ class Executive {
   std::vector<Outlet*> outlets_;
 
   SimTime now_ = kStart;                  ///< Devices have been run up to here.
-  std::atomic<SimTime> reached_{kStart};  ///< The same for other threads.
+  std::atomic<SimTime> reached_{kStart};  ///< Copy of now_ for other threads.
   SimTime frontier_ = kStart;             ///< Samples are known up to here.
   PacedClock* clock_ = nullptr;           ///< Set while paced.
   const PacedSettings* pace_ = nullptr;   ///< Set while paced.
@@ -239,10 +240,11 @@ class Executive {
   std::vector<std::function<void(TruthRequests&)>> asked_;
   WireStages wire_stages_;
   StageLaps laps_;
-  RunOutcome outcome_;            ///< Of the run that goes on, its counts alone.
-  WallTime began_{};              ///< Of that run.
-  bool behind_ = false;           ///< An overrun that is not made up.
-  std::optional<Overrun> stall_;  ///< Of the host, as long as it lasts; `lag` is its sum so far.
+  RunOutcome outcome_;   ///< Counts of the present run.
+  WallTime began_{};     ///< Start of the present run.
+  bool behind_ = false;  ///< An overrun that is not made up.
+  /// Stall of the host while it lasts; `lag` is its sum so far.
+  std::optional<Overrun> stall_;
   std::vector<double> machine_state_;
   SliceListener slice_listener_ = [](SimTime, const std::vector<double>&) {};
   HandoverListener handover_listener_ = [](const RequestHandover&) {};

@@ -43,7 +43,7 @@ class Shelves {
     return items;
   }
 
-  /// The same for reading; nullptr when nothing has ever been put there.
+  /// Returns the shelf for reading; nullptr when nothing has ever been put there.
   template <class T>
   [[nodiscard]] const std::vector<T>* find(StationIndex station) const {
     return known<T>(station);

@@ -88,14 +88,14 @@ concept TakesSamples = requires(Backend& backend, const typename Backend::Sample
   { sample.time } -> std::convertible_to<SimTime>;
 };
 
-/// That also asks something of the truth. Equal commands are sent once.
+/// A backend that also sends commands to the truth. Equal commands are sent once.
 template <class Backend>
 concept Commands = requires(const Backend& backend) {
   { backend.command() } -> std::same_as<const typename Backend::Command&>;
 };
 
-/// Whose samples come too often to wake up for each: they are taken when what they are gathered
-/// into is complete.
+/// A backend whose samples are too frequent to wake up for each: they are taken when the packet
+/// that they fill is complete.
 template <class Backend>
 concept Gathers = requires(const Backend& backend) {
   { backend.packet_complete_at() } -> std::same_as<SimTime>;

@@ -48,8 +48,8 @@ class CaptureFile {
 
   OutsideFile file_;
   std::vector<std::uint8_t> bytes_;
-  std::size_t at_ = 0;        ///< Taken of `bytes_`.
-  std::uint64_t offset_ = 0;  ///< Of `bytes_` in the file.
+  std::size_t at_ = 0;        ///< Index of the next unread byte in `bytes_`.
+  std::uint64_t offset_ = 0;  ///< Offset of `bytes_` in the file.
   bool truncated_ = false;
   std::optional<protocols::pcapng::PcapReader> pcap_;  ///< Nothing: it is pcapng.
   protocols::pcapng::Reader pcapng_;

@@ -431,7 +431,7 @@ class Binder {
     }
   }
 
-  /// As the DBC file alone has it.
+  /// Returns the message with the settings of the DBC file alone.
   emulators::DbcSentMessage sent_as(const dbc::FileMessage& message) {
     emulators::DbcSentMessage sent;
     sent.layout = message.layout;

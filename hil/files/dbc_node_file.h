@@ -15,11 +15,12 @@
 
 namespace rigwire::hil {
 
-/// What a binding says in place of the DBC file, where that is poor.
+/// Values that a binding gives in place of those of the DBC file.
 struct DbcLayoutBinding {
-  double scale = 0.0;   ///< Per count; 0: as the file says, and so are the next two.
-  double offset = 0.0;  ///< Of raw 0.
-  std::string unit;     ///< Empty: as the file says.
+  /// Value of one count; 0: this and the next two as in the DBC file.
+  double scale = 0.0;
+  double offset = 0.0;  ///< Value of raw 0.
+  std::string unit;     ///< Empty: as in the DBC file.
 };
 void visit(fields::Visitor& v, DbcLayoutBinding& p);
 
@@ -27,8 +28,8 @@ void visit(fields::Visitor& v, DbcLayoutBinding& p);
 struct DbcSentBinding {
   std::string signal;
   std::string quantity;  ///< "joint.angle"
-  double factor = 1.0;   ///< Of the quantity.
-  double offset = 0.0;   ///< Added to it, in the signal's unit.
+  double factor = 1.0;   ///< Factor on the quantity.
+  double offset = 0.0;   ///< Added after it, in the signal's unit.
   Duration filter{0};    ///< Time constant.
   std::string value;     ///< A number in the signal's unit, or one of its names.
   bool counter = false;
@@ -52,7 +53,7 @@ struct DbcSentMessageBinding {
   DbcSendingBinding send = DbcSendingBinding::as_file;
   Duration period{0};  ///< 0: as the file says.
   std::string after;   ///< A message that is taken: this one follows it.
-  int priority = -1;   ///< Of J1939; -1: as the file says.
+  int priority = -1;   ///< J1939 priority; -1: as in the DBC file.
   std::vector<DbcSentBinding> signals;
 };
 void visit(fields::Visitor& v, DbcSentMessageBinding& p);
@@ -61,7 +62,7 @@ void visit(fields::Visitor& v, DbcSentMessageBinding& p);
 struct DbcTakenBinding {
   std::string signal;
   std::string moves;    ///< "valves.opening_1"
-  double factor = 1.0;  ///< Of the signal's value.
+  double factor = 1.0;  ///< Factor on the signal's value.
   double offset = 0.0;  ///< Added after it, in the quantity's SI unit.
   std::string safe;     ///< A quantity: "0 %"; empty: the neutral one.
   bool clip = true;     ///< A value beyond the signal's limits counts as the limit.
@@ -82,7 +83,7 @@ void visit(fields::Visitor& v, DbcTakenMessageBinding& p);
 struct DbcNodeBinding {
   std::string text;
   std::string dbc;   ///< The file's path.
-  std::string node;  ///< Of the DBC file; empty: it sends what is listed here alone.
+  std::string node;  ///< Node of the DBC file; empty: only what is listed here is sent.
   bool claims_address = false;
   std::uint8_t source_address = 0x80;
   bool arbitrary_address = true;

@@ -72,7 +72,7 @@ class Tiff {
     Number value = otherwise;
     return TIFFGetFieldDefaulted(tiff_.get(), tag, &value) == 1 ? value : otherwise;
   }
-  /// Of a tag that libtiff does not know.
+  /// Returns the numbers of a tag that libtiff does not know.
   template <class Number>
   [[nodiscard]] std::span<const Number> numbers(ttag_t tag) const {
     // The count is of 32 bits where a tag's length is not limited, of 16 where it is.

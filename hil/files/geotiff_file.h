@@ -26,7 +26,7 @@ struct GeoRaster {
   std::optional<std::pair<double, double>> pixel;  ///< Size along columns and rows.
   std::optional<TiePoint> tie_point;
   bool pixel_is_area = true;  ///< Whole numbers of column and row are a pixel's corner.
-  int epsg = 0;               ///< Of the coordinate system; 0: not told.
+  int epsg = 0;               ///< EPSG code of the coordinate system; 0: not given.
 };
 
 /// Throws std::invalid_argument beginning with `who` when the file cannot be read, is damaged, has

@@ -24,9 +24,9 @@ namespace rigwire::hil {
 
 struct GpsAlignment {
   std::int64_t ahead_ns = 0;      ///< GPS time (UTC, ns since 1970) less the file's instant.
-  std::int64_t first_utc_ns = 0;  ///< Of the file's first unit.
-  std::string_view by;            ///< What told it.
-  std::uint64_t told = 0;         ///< How often, of what was looked at.
+  std::int64_t first_utc_ns = 0;  ///< UTC of the file's first unit, ns since 1970.
+  std::string_view by;            ///< Kind of message that gave the time.
+  std::uint64_t told = 0;         ///< Number of such messages among those examined.
 };
 
 /// Throws as open_replay_reader(), and std::invalid_argument where nothing in the file tells it.

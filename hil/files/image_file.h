@@ -29,7 +29,7 @@ struct Image {
 /// Throw std::invalid_argument beginning with `who` when it is no PNG, is damaged, or has more than
 /// 16384 pixels along a side.
 [[nodiscard]] Image decode_png(std::span<const std::uint8_t> bytes, const std::string& who);
-/// The same from a file, also when it cannot be read.
+/// Decodes a PNG file like decode_png(); throws also when it cannot be read.
 [[nodiscard]] Image read_png(const std::filesystem::path& file, const std::string& who);
 
 /// The image as a PNG file has it, of the same samples; the same image gives the same bytes. Throws

@@ -405,7 +405,8 @@ class File {
     return known->second;
   }
 
-  /// Of an image in sRGB. Made once of each, with holes and without.
+  /// Returns the texture of an image in sRGB. It is made once of each image with holes and once
+  /// without.
   [[nodiscard]] std::shared_ptr<const sim::ColourTexture> texture(const Image& image,
                                                                   const Picture& picture,
                                                                   bool holes) {
@@ -469,9 +470,9 @@ class File {
   std::string who_;
   bool gltf_ = false;
   std::vector<std::string> files_;
-  std::string refusal_;  ///< Of a file that assimp asked for; empty: none.
+  std::string refusal_;  ///< Reason why a file that assimp asked for was refused; empty: none.
   std::vector<std::string> notes_;
-  WavefrontMesh scanned_;  ///< Of an OBJ file.
+  WavefrontMesh scanned_;  ///< Contents of an OBJ file.
   std::vector<Library> libraries_;
   std::optional<sim::TriangleMesh> plain_;
   std::map<std::string, std::shared_ptr<const Image>> images_;

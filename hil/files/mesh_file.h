@@ -27,7 +27,7 @@ struct LoadedModel {
   std::vector<std::string> notes;  ///< Lines for people: what of the file has no effect.
 };
 
-/// As load_mesh(), with colours and textures.
+/// Loads like load_mesh(), with colours and textures.
 ///
 /// Where a material's base colour is a PNG image with an alpha channel, beside the file or
 /// embedded, rays pass its holes. The cutoff is glTF's alphaCutoff, else half.

@@ -18,11 +18,12 @@
 namespace rigwire::hil {
 
 struct MotionSettings {
-  std::string file;       ///< Empty: the machine moves itself.
-  std::string frame;      ///< What the file calls the first link; empty: as the machine does.
-  Duration start{0};      ///< Where the piece begins, from the file's zero.
-  Duration offset{0};     ///< From the run's start to the piece's.
-  Duration smoothing{0};  ///< Of recorded poses, standard deviation of the window; 0: as they are.
+  std::string file;    ///< Empty: the machine moves itself.
+  std::string frame;   ///< What the file calls the first link; empty: as the machine does.
+  Duration start{0};   ///< Where the piece begins, from the file's zero.
+  Duration offset{0};  ///< From the run's start to the piece's.
+  /// Standard deviation of the window that smooths recorded poses; 0: not smoothed.
+  Duration smoothing{0};
 };
 void visit(fields::Visitor& v, MotionSettings& p);
 

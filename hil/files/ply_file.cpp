@@ -36,7 +36,7 @@ constexpr std::array<Type, 8> kTypes{{{"char", "int8", Kind::signed_integer, 1},
 struct Property {
   std::string name;
   const Type* type = nullptr;
-  const Type* count = nullptr;  ///< Of a list; null: one value.
+  const Type* count = nullptr;  ///< Type of a list's length; null: one value.
 };
 struct Element {
   std::string name;

@@ -193,7 +193,7 @@ class CaptureReader final : public ReplayReader {
   std::uint32_t from_address_ = 0;
   std::optional<std::uint32_t> interface_;
   std::string name_;
-  std::set<std::string> names_;  ///< Of those that were passed over.
+  std::set<std::string> names_;  ///< Names of the interfaces that were passed over.
   std::uint64_t without_time_ = 0;
   ReplayedKind kind_ = ReplayedKind::datagrams;
 };
@@ -278,8 +278,8 @@ class CandumpReader final : public ReplayReader {
 
   const ReplaySourceSettings settings_;
   LineReader file_;
-  std::set<std::string> names_;  ///< Of interfaces that were passed over.
-  std::string bus_;              ///< The one that is played.
+  std::set<std::string> names_;  ///< Names of the interfaces that were passed over.
+  std::string bus_;              ///< Interface that is played.
   std::size_t number_ = 0;
   bool truncated_ = false;
 };

@@ -64,9 +64,9 @@ struct ReplaySourceSettings {
   std::string from_address;     ///< UDP filter; empty: any.
   std::uint16_t from_port = 0;  ///< 0: any.
   std::uint16_t to_port = 0;    ///< 0: any.
-  std::uint32_t baud = 9600;    ///< Of files without instants.
-  Duration start{0};            ///< Of the piece, from the file's zero.
-  Duration end{0};              ///< 0: all.
+  std::uint32_t baud = 9600;    ///< Rate for files without time stamps.
+  Duration start{0};            ///< Start of the piece, from the file's zero.
+  Duration end{0};              ///< End of the piece; 0: the end of the file.
   Duration offset{0};           ///< From the run's start to the piece's.
   double speed = 1.0;
   bool loop = false;
@@ -76,12 +76,12 @@ struct ReplaySourceSettings {
 };
 void visit(fields::Visitor& v, ReplaySourceSettings& p);
 
-/// What was on the wire at once.
+/// Smallest unit on a wire: bytes, a frame or a datagram.
 struct ReplayedUnit {
   SimTime due{};  ///< Set by ReplaySource.
   std::vector<std::uint8_t> bytes;
-  protocols::can::Frame frame;  ///< Of frames.
-  drivers::IpEnd from;          ///< Of datagrams.
+  protocols::can::Frame frame;  ///< For CAN: the frame.
+  drivers::IpEnd from;          ///< For datagrams: the source.
   drivers::IpEnd to;
 };
 

@@ -24,11 +24,12 @@ struct ReplayedSummary {
   ReplayedKind kind = ReplayedKind::bytes;
   std::uint64_t units = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t went_back = 0;                 ///< Instants before that of the unit in front.
-  Duration length{0};                          ///< From its first unit to its last.
-  std::vector<std::uint16_t> to_ports;         ///< Of datagrams, in the order of their first.
+  std::uint64_t went_back = 0;  ///< Instants before that of the unit in front.
+  Duration length{0};           ///< From its first unit to its last.
+  /// Destination ports of datagrams, in the order of their first one.
+  std::vector<std::uint16_t> to_ports;
   bool truncated = false;                      ///< The file ends in the middle of a unit.
-  std::map<std::string, std::uint64_t> notes;  ///< As ReplayReader::notes().
+  std::map<std::string, std::uint64_t> notes;  ///< Notes of the reader (ReplayReader::notes()).
 };
 
 /// "2 error frames, 1 CAN FD frame", as people read it; empty without notes.
@@ -67,7 +68,7 @@ class ReplaySource {
   std::int64_t cut_ns_ = 0;  ///< Taken out so far.
   bool first_ = true;
   std::int64_t rounds_ = 0;
-  Duration round_{0};  ///< Of the loop.
+  Duration round_{0};  ///< Length of one round of the loop.
   SimTime last_due_{};
 };
 

@@ -17,7 +17,7 @@ namespace rigwire::hil {
 /// fit; and a map that nothing enables.
 [[nodiscard]] emulators::ValveMap load_valve_map(const std::string& file);
 
-/// The same from text; `name` stands for the file in messages.
+/// Parses `text` like load_valve_map(); `name` is its name in messages.
 [[nodiscard]] emulators::ValveMap parse_valve_map(const std::string& text, const std::string& name);
 
 }  // namespace rigwire::hil

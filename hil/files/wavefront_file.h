@@ -37,7 +37,7 @@ struct WavefrontMesh {
 [[nodiscard]] WavefrontMesh scan_wavefront_mesh(std::string_view text, const std::string& who);
 
 struct WavefrontMap {
-  std::string file;  ///< As the library calls it, with slashes.
+  std::string file;  ///< Name of the file in the library, with slashes.
   std::size_t line = 0;
   /// A texture coordinate c becomes scale * c + offset (-s, -o).
   std::array<double, 2> scale{1.0, 1.0};

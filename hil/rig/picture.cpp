@@ -90,7 +90,7 @@ std::pair<std::string, const GigeCameraConfiguration*> find_camera(const RigConf
   return *found;
 }
 
-/// As at power-on, with every part that the kind makes.
+/// Returns the command at power-on, with every part that this kind of camera makes.
 CameraCommand command_of(const GigeCameraConfiguration& camera) {
   const sim::CameraAbilities abilities = sim::abilities_of(camera.sensor);
   CameraCommand command = power_on_command(camera);

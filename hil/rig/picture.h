@@ -19,7 +19,7 @@ namespace rigwire::hil {
 
 struct PictureRequest {
   std::string device{};                           ///< Name in the rig; empty: its only camera.
-  SimTime at = kStart + std::chrono::seconds(1);  ///< Of the exposure's start.
+  SimTime at = kStart + std::chrono::seconds(1);  ///< Start of the exposure.
   std::optional<double> travel_mps{};  ///< Held by the machine's own controller, from the start.
 };
 

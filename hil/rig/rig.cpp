@@ -504,7 +504,7 @@ void Rig::number_surroundings() {
   world_.add(make_world_air(station, air_, [this](SimTime frontier) {
     if (!world_.has_weather()) {
       auto weather = make_weather(configuration_, air_);
-      // As if it had been there from the start; bit by bit, so that it keeps but little.
+      // Advances the weather from the start of the run, in steps so that it needs little memory.
       constexpr Duration kBit = std::chrono::seconds{1};
       for (SimTime time = kStart + kBit; time < frontier; time += kBit) {
         weather->advance(time, {});

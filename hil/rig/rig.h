@@ -67,16 +67,16 @@ class Constellation;
 
 namespace rigwire::hil {
 
-/// The machine in its scene, without devices: what every rig and every benchmark starts from.
-/// Throws std::invalid_argument or std::runtime_error naming what is wrong, also where the machine
-/// does not stand free (hil/world/standing_free.h), or a camera is told how a label looks that
-/// nothing in the scene has.
-/// `log`: what was left out of files; may be null.
+/// Builds the machine in its scene, without devices, from which every rig and every benchmark
+/// starts. Throws std::invalid_argument or std::runtime_error naming what is wrong, also where the
+/// machine does not stand free (hil/world/standing_free.h), or a camera defines the look of a label
+/// that nothing in the scene has. `log`: receives what was left out of files; may be null.
 [[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration,
                                                     RunLog* log = nullptr);
 
-/// The same with weather and clock of its physics, without sensors. Throws likewise. `air`: faults
-/// of the air that others hold as well; null: those of the configuration.
+/// Builds the machine in its scene with weather and the clock of its physics, without sensors.
+/// Throws like build_machine_in_scene(). `air`: faults of the air that others hold as well; null:
+/// those of the configuration.
 [[nodiscard]] SimulatedWorld make_world(const RigConfiguration& configuration,
                                         RunLog* log = nullptr,
                                         std::shared_ptr<const sim::AirFaults> air = nullptr);
@@ -161,10 +161,11 @@ class Rig {
   [[nodiscard]] std::vector<std::string> wires() const;
   /// On the thread that runs the executive; `wall_s` is filled by the caller.
   [[nodiscard]] RigStatus status() const;
-  /// On the thread that runs the executive: devices, buses and lines with what goes wrong there.
+  /// Returns the devices, buses and lines with their faults. To be called on the executive's
+  /// thread.
   [[nodiscard]] RigFaults& faults() { return faults_; }
   [[nodiscard]] const RigFaults& faults() const { return faults_; }
-  /// Likewise: what its devices can be told.
+  /// Returns the settings of its devices. To be called on the executive's thread.
   [[nodiscard]] RigSettings& settings() { return settings_; }
   /// After the run.
   [[nodiscard]] std::vector<DeviceReport> device_reports() const;
@@ -185,10 +186,10 @@ class Rig {
   /// Opens the server when the first bus or device asks for it.
   [[nodiscard]] UsbBus& usb();
   void number_faults();
-  /// Of what is around the devices.
+  /// Numbers the faults of the devices' surroundings.
   void number_surroundings();
   void open_taps(const TruthFiles& files);
-  /// What the executive was given as outlets from `first` on, is one wire of that name.
+  /// Records the outlets that the executive was given from `first` on as one wire named `wire`.
   void record(const std::string& wire, std::size_t first, const drivers::EndpointStatus& endpoint);
   [[nodiscard]] RecordedStatus recorded_status() const;
 
@@ -209,7 +210,8 @@ class Rig {
   std::map<std::string, std::unique_ptr<Bus>> buses_;
   std::map<std::string, std::unique_ptr<RigModbus>> modbus_lines_;
   std::vector<NamedDevice> devices_;
-  std::vector<std::unique_ptr<FaultPort>> wire_faults_;  ///< Of buses, lines and surroundings.
+  /// Fault ports of buses, lines and surroundings.
+  std::vector<std::unique_ptr<FaultPort>> wire_faults_;
   RigFaults faults_;
   RigSettings settings_;
   /// Null while nothing is on USB. Last, because what is plugged into it must outlive it.

@@ -200,7 +200,8 @@ class Checker {
     }
   }
 
-  /// Which wire `auto` takes is known when it runs; a port that is not there then is refused.
+  /// Returns the bus's possible client nodes. The wire that `auto` takes is known when the rig
+  /// runs; a port that does not exist then is refused.
   static std::vector<std::string> client_nodes(const BusConfiguration& bus) {
     std::vector<std::string> names;
     for (unsigned port = 0; port < bus.ports; ++port) {

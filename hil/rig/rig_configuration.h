@@ -28,13 +28,14 @@ namespace rigwire::hil {
 
 /// Ground truth leaves here and nowhere else.
 struct TruthConfiguration {
-  std::string path;        ///< File; empty = none. `run --truth FILE` beats it.
-  std::string lidar_path;  ///< The same for every lidar shot. `run --lidar-truth FILE` beats it.
-  /// Folder for every picture; empty = none. `run --camera-truth FOLDER` beats it.
+  std::string path;  ///< File; empty = none. `run --truth FILE` overrides it.
+  /// File for every lidar shot; empty = none. `run --lidar-truth FILE` overrides it.
+  std::string lidar_path;
+  /// Folder for every picture; empty = none. `run --camera-truth FOLDER` overrides it.
   std::string camera_folder;
-  std::vector<std::string> cameras;  ///< Whose pictures; empty = all.
+  std::vector<std::string> cameras;  ///< Cameras whose pictures are written; empty = all.
   Duration period = std::chrono::milliseconds(10);
-  Duration clouds_every{0};  ///< Of each lidar in a recording; 0: none.
+  Duration clouds_every{0};  ///< Period of each lidar's clouds in a recording; 0: none.
 };
 
 struct StatusConfiguration {
@@ -44,9 +45,9 @@ struct StatusConfiguration {
 struct RigConfiguration {
   std::string name = "rig";
   std::string text;        ///< One line for `rigwire list rigs`.
-  std::uint64_t seed = 1;  ///< Of every random stream.
+  std::uint64_t seed = 1;  ///< Seed of every random stream.
   UtcTime start{2026, 6, 1, 8, 0, 0, 0};
-  Duration step = std::chrono::milliseconds(1);   ///< Of the physics.
+  Duration step = std::chrono::milliseconds(1);   ///< Step of the physics.
   Duration slice = std::chrono::milliseconds(2);  ///< Steps computed at once; whole steps.
   Duration lead = std::chrono::milliseconds(6);   ///< How far truth is computed ahead of the clock.
   OriginConfiguration origin;
@@ -111,17 +112,18 @@ struct LoadedRig {
   Origins origins;
 };
 
-/// Reads, lays the `--set` arguments over, checks every field and how the fields go together.
-/// Throws ConfigurationError with all findings.
+/// Reads the file, applies the `--set` arguments, checks every field and how the fields fit
+/// together. Throws ConfigurationError with all findings.
 [[nodiscard]] LoadedRig load_rig(const std::string& file, const std::vector<std::string>& sets);
 
-/// Of the effective configuration; see hash_text().
+/// Returns the hash of the effective configuration; see hash_text().
 [[nodiscard]] std::string config_hash(const RigConfiguration& configuration);
 
-/// The effective configuration as YAML with the origin of each value; loads to the same hash.
+/// Returns the effective configuration as YAML with the origin of each value; it loads to the same
+/// hash.
 [[nodiscard]] std::string print_rig(const LoadedRig& rig);
 
-/// The same without origins, which differ from machine to machine.
+/// Returns the effective configuration as YAML without origins, which differ between machines.
 [[nodiscard]] std::string print_rig(const RigConfiguration& configuration);
 /// Names of the devices that make pictures.
 [[nodiscard]] std::vector<std::string> camera_names(const RigConfiguration& configuration);

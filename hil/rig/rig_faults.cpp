@@ -61,7 +61,7 @@ void RigFaults::look(SimTime now, SimTime instant, std::span<const double> state
   }
 }
 
-/// Of what the ports have forgotten.
+/// Removes the entries of faults that the ports have forgotten.
 void RigFaults::forget() {
   if (entries_.size() < kKept) {
     return;

@@ -90,7 +90,7 @@ class RigFaults {
   };
   struct Wait {
     Id number;
-    std::size_t quantity;  ///< Of the machine's state.
+    std::size_t quantity;  ///< Index in the machine's state.
     bool above;
     double value;
     SimTime from;

@@ -38,7 +38,7 @@ void append_leaves(const Value& map, const std::string& above, std::vector<Leaf>
   }
 }
 
-/// As a rig's file has it. Precondition: groups are of one level.
+/// Builds the tree of a rig's file from its leaves. Precondition: groups have one level.
 Value document_of(const std::vector<Leaf>& leaves, const Value& like) {
   Value document = map_at(like);
   for (const Leaf& leaf : leaves) {
@@ -121,7 +121,7 @@ RigSettings::Outcome RigSettings::tell(SimTime now, const std::string& name, con
       problems.add({leaf.where, leaf.path, "written twice", {}, {}, {}});
     }
   }
-  // Of a list of leaves the configuration.
+  // Builds the configuration from a list of leaves.
   const auto configured = [&](const std::vector<Leaf>& with) {
     Origins origins;
     std::unique_ptr<DeviceConfiguration> configuration = entry.configuration->copy();

@@ -21,24 +21,25 @@ class RigSettings {
   /// `configuration` is what the device was made of. The device must outlive this.
   void add(const std::string& name, const DeviceConfiguration& configuration, Device& device);
 
-  /// Of the devices that can be told something, in the order in which they were added.
+  /// Returns the names of the devices with settings, in the order in which they were added.
   [[nodiscard]] std::vector<std::string> names() const;
-  /// Of that device; empty where there is none.
+  /// Returns the keys of that device that can be set; empty: none.
   [[nodiscard]] std::vector<LiveKey> keys(const std::string& name) const;
 
-  /// Of one of keys(): what the device was made of or has been set since, as a rig's file has it.
-  /// What a client has changed on its wire is not known here.
+  /// Returns the value of one of keys() as a rig's file has it: the configured one or the last one
+  /// set. Changes by a client on the device's wire are not included.
   [[nodiscard]] std::string value(const std::string& name, std::string_view key) const;
 
-  /// What became of a request.
+  /// Result of a request.
   struct Outcome {
     struct Told {
       std::string key;
-      std::string value;  ///< As it was written.
+      std::string value;  ///< Value as it was written.
     };
-    std::vector<Told> told;          ///< They hold.
-    std::optional<Problem> refused;  ///< This key; what follows it in keys() was not told.
-    bool by_device = false;          ///< By the device, as it is now.
+    std::vector<Told> told;  ///< Keys that were set.
+    /// Problem with this key; the keys behind it in keys() were not set.
+    std::optional<Problem> refused;
+    bool by_device = false;  ///< True: refused by the device in its present state.
   };
   /// Tells device `name` the keys of that map. They are checked as those of a rig's file are,
   /// beside what the device was made of and what has been set since; what is wrong there refuses

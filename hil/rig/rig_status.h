@@ -27,7 +27,7 @@ struct RigStatus {
   Duration slipped{0};
   std::vector<DeviceStatus> devices;
   std::vector<BusStatus> buses;
-  std::vector<FaultWindow> faults;  ///< That act now.
+  std::vector<FaultWindow> faults;  ///< Faults that act now.
   std::vector<double> machine;      ///< In the order of TruthSource::state_quantities().
 };
 

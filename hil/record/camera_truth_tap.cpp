@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of some megabytes each.
+/// Maximum number of pictures, of some megabytes each, that wait to be written.
 constexpr std::size_t kMostWaiting = 16;
 constexpr const char* kWhat = "the camera truth";
 

@@ -42,21 +42,21 @@ struct LidarCloud {
   SimTime begun{};
   const RecordedLidar& lidar;
   std::span<const protocols::velodyne::Point> points;
-  /// Of each point: fired so long after the time stamp of the turn's first packet.
+  /// Time of each point's firing after the time stamp of the turn's first packet, s.
   std::span<const float> times_s;
 };
-/// Of a run that started at `start_unix_ns`.
+/// Returns the cloud as a message of a run that started at `start_unix_ns`.
 [[nodiscard]] std::string json_message(const LidarCloud& cloud, std::int64_t start_unix_ns);
 [[nodiscard]] std::string cdr_message(const LidarCloud& cloud, std::int64_t start_unix_ns);
 
 class LidarClouds {
  public:
-  /// Of the lidar on one wire.
+  /// Collects the clouds of the lidar on one wire.
   LidarClouds(RecordedLidar lidar, Duration every)
       : lidar_(std::move(lidar)), every_(every), reader_(*lidar_.model, lidar_.calibration) {}
 
-  /// The next datagram of the lidar, which left at that instant; the cloud that it makes whole.
-  /// Valid until the next call.
+  /// Takes the next datagram of the lidar, sent at the instant `at`; returns the cloud that it
+  /// completes. The cloud is valid until the next call.
   [[nodiscard]] std::optional<LidarCloud> take(SimTime at, std::span<const std::uint8_t> datagram);
 
  private:
@@ -67,10 +67,11 @@ class LidarClouds {
     std::vector<protocols::velodyne::Point> points;
     std::vector<float> times_s;
   };
-  Turn turn_;  ///< Of the cloud that is on its way.
+  Turn turn_;  ///< The turn that is being collected.
   Turn whole_;
   std::optional<SimTime> begun_;
-  std::uint32_t begun_us_ = 0;  ///< The same by the packet's time stamp.
+  /// Time stamp of the turn's first packet, microseconds.
+  std::uint32_t begun_us_ = 0;
   SimTime next_ = kStart;
   std::optional<std::uint16_t> azimuth_counts_;
 };

@@ -57,7 +57,7 @@ class LidarTruthTap final : public LidarTruthObserver {
  private:
   GrowingFile file_;
   std::vector<std::string> lidars_;
-  std::string records_;  ///< Of one call; kept for its memory.
+  std::string records_;  ///< Records of one call; kept for its memory.
 };
 
 }  // namespace rigwire::hil

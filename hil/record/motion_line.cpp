@@ -48,11 +48,12 @@ void append_port(std::string& line, std::string_view key, const std::optional<Sa
   line += '}';
 }
 
-/// Which joints a pair of truth fields tells of.
+/// Joints whose angles and rates a pair of truth fields holds.
 struct JointRow {
-  std::string_view angle;  ///< Empty: there is none, as the next.
+  std::string_view angle;  ///< Empty: none, like `rate`.
   std::string_view rate;
-  std::array<std::string_view, 2> names;  ///< Of their own; empty: of the machine's last links.
+  /// Names of the joints; empty: those of the machine's last links.
+  std::array<std::string_view, 2> names;
 };
 constexpr std::array<JointRow, 4> kJointRows{{{"joint_rad", "joint_rate_radps", {}},
                                               {"steer_rad", "", {"front_steer", "rear_steer"}},

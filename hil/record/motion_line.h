@@ -19,12 +19,12 @@ namespace rigwire::hil {
 [[nodiscard]] std::string motion_line(const TruthRecord& record,
                                       std::span<const std::string> links);
 
-/// The joints of a machine, which its truth fields tell.
+/// Names of a machine's joints, as its truth fields have them.
 class JointNames {
  public:
   JointNames(std::span<const sim::TruthField> fields, std::span<const std::string_view> links);
 
-  /// Of a machine that has none: nothing is written of it.
+  /// Returns whether the machine has no joints; then no message is written.
   [[nodiscard]] bool empty() const { return joints_.empty(); }
   /// foxglove.JointStates: angles in rad, rates in rad/s, where the truth has them. `timestamp` as
   /// JSON.

@@ -179,7 +179,7 @@ void WholeFile::write_beside(std::string_view text) const {
   if (readers_ == FileReaders::owner) {
     static_cast<void>(!::fchmod(temporary.descriptor(), S_IRUSR | S_IWUSR));
   } else if (::stat(file_.c_str(), &there) == 0) {
-    // As it was; who may not give files away keeps his own name on it.
+    // Keep owner and mode of the old file; a user who may not change the owner becomes the owner.
     static_cast<void>(!::fchown(temporary.descriptor(), there.st_uid, there.st_gid));
     static_cast<void>(!::fchmod(temporary.descriptor(), there.st_mode & kPermissionBits));
   }

@@ -49,15 +49,15 @@ class OutputFailures {
   std::atomic<bool> any_{false};
 };
 
-/// How long a FIFO's reader may take to come, and any reader to read, before it is given up.
+/// Time limit for a reader to open a FIFO, and for any reader to read.
 inline constexpr std::chrono::seconds kReaderPatience{2};
 
 enum class FileReaders {
-  as_usual,  ///< As the file that was there, or as the umask has it.
-  owner      ///< Nobody else: the text holds a secret.
+  as_usual,  ///< Mode of the replaced file, otherwise by the umask.
+  owner      ///< The owner only: the text holds a secret.
 };
 
-/// The report's, or another text that is written at once.
+/// Writes the report or another text at once.
 class WholeFile {
  public:
   /// `path` "-" is standard output; `what` it is in messages ("the report"). Tries that it can be

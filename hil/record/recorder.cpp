@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view kTruthName = "truth";
 constexpr Duration kStatisticsPeriod = std::chrono::seconds{1};
 
-/// Of a client whose port nobody knows: the first of those that systems hand out.
+/// Port written for a client whose port is unknown: the first of the ephemeral ports.
 constexpr std::uint16_t kFirstClientPort = 49'152;
 constexpr std::uint64_t kClientPorts = 16'384;
 constexpr std::uint32_t kLoopback = 0x7F00'0001;
@@ -302,7 +302,7 @@ class Recorder::Watch final : public EventSource {
     }
   }
 
-  /// Of a recording that begins.
+  /// Starts the figures of a recording that begins at `now`.
   void begin(SimTime now) {
     next_figures_ = kStart + kStatisticsPeriod * ((now - kStart) / kStatisticsPeriod + 1);
     told_figures_ = now;
@@ -364,7 +364,7 @@ class Recorder::Watch final : public EventSource {
     }
   }
 
-  /// Of a device by its name or that of its bus, or of a bus or line itself.
+  /// Returns the wire of a device, by the device's or its bus's name, or of a bus or line itself.
   [[nodiscard]] Wire* wire_of(const std::string& where, const RecordedStatus& status) const {
     const std::string name = where.substr(where.find(' ') + 1);
     const auto device = std::ranges::find(status.devices, name, &RecordedStatus::Device::name);

@@ -64,7 +64,7 @@ struct RecordedStatus {
     Duration lateness_max{0};
   };
   std::vector<Device> devices;
-  std::vector<FaultWindow> faults;  ///< That act now.
+  std::vector<FaultWindow> faults;  ///< Faults that act now.
 };
 
 class Recorder {
@@ -88,53 +88,57 @@ class Recorder {
   /// apart by the wire's kind.
   [[nodiscard]] WireTap& add_wire(const std::string& name, WireKind kind,
                                   const std::string& address);
-  /// Who is told of each wire that is added from now on, too, whether it is recorded or not. Before
-  /// the first.
+  /// Called with each wire that is added, whether it is recorded or not; returns a tap that also
+  /// receives it. To be set before the first wire.
   using WireUser = std::function<WireTap&(const std::string& wire, WireKind kind)>;
   void pass_on(WireUser user) { wire_user_ = std::move(user); }
-  /// That outlet is of the wire of that tap, which add_wire() returned.
+  /// Adds an outlet to the wire of `tap`, which add_wire() returned.
   void join(WireTap& tap, QueuedOutlet& outlet) const;
-  /// Who is given each outlet that joins, with the name of its wire. Before the first.
+  /// Called with each outlet that is added and the name of its wire. To be set before the first.
   using OutletUser = std::function<void(const std::string& wire, QueuedOutlet& outlet)>;
   void on_outlet(OutletUser user) { outlet_user_ = std::move(user); }
-  /// Who is to be told the truth.
+  /// Returns the observer that records the truth.
   [[nodiscard]] std::unique_ptr<TruthObserver> truth_observer(
       const Calendar& calendar, std::span<const sim::TruthField> fields,
       std::span<const std::string_view> links);
-  /// When all are there. `status` is asked on the wire thread; `faults` are known to come.
+  /// Starts the recorder; to be called when all wires exist. `status` is called on the wire thread;
+  /// `faults` are those known in advance.
   void start(std::function<RecordedStatus()> status, const std::vector<FaultWindow>& faults);
 
   // On the wire thread, after start().
 
-  /// That fault has been added, or ends otherwise.
+  /// Notes a fault that has been added, or whose end has changed.
   void expect(const FaultWindow& fault);
-  /// That governed the run and changed it just now, one line: is written into every recording that
-  /// is on its way, and, of the first kCommandBytes of a run, into those that begin later; one that
-  /// begins when there were more says that not all is known (RecordedRun::clients_before).
+  /// Notes a command, one line, that has just changed the run. It is written into every present
+  /// recording, and the first kCommandBytes of a run also into later ones. A recording that begins
+  /// when there were more is marked as incomplete (RecordedRun::clients_before).
   void command(std::string text);
-  /// What hung on the wall clock (Executive::on_handover()); likewise, the first kHandovers.
+  /// Notes a hand-over that depended on the wall clock (Executive::on_handover()). It is written
+  /// into every present recording, and the first kHandovers of a run also into later ones.
   void handover(const RequestHandover& handover);
 
-  /// Makes the files and begins: before the run with all of it, else with what is due from now on.
-  /// Precondition: none is on its way. Throws drivers::EndpointError where the folder cannot be had
-  /// or is not empty, std::invalid_argument for a name in `only` that is none.
+  /// Creates the files and begins: before the run with all of it, otherwise with what is due from
+  /// now on. Precondition: there is no present recording. Throws drivers::EndpointError when the
+  /// folder cannot be used or is not empty, std::invalid_argument for an unknown name in `only`.
   void begin(const RecordOptions& options);
-  /// The same before the run, for what is due from `from` on, and the truth from `truth_from` on.
+  /// Begins before the run, for what is due from `from` on, and the truth from `truth_from` on.
   void begin(const RecordOptions& options, SimTime from, SimTime truth_from);
-  /// Folder of the one that is on its way.
+  /// Returns the folder of the present recording; empty: there is none.
   [[nodiscard]] const std::optional<std::string>& folder() const { return folder_; }
-  /// What is due after `end` is not recorded. finish() must follow when what is due by then has
-  /// left.
+  /// Ends the recording at `end`: what is due later is not recorded. finish() must follow when what
+  /// is due by then has been sent.
   void leave_out_after(SimTime end) { until_ = end; }
-  /// Ends the files; nothing where there are none.
+  /// Closes the files; does nothing without a recording.
   void finish(SimTime end);
 
-  /// Memory for what the disk has not taken yet, and as much again for what it is taking.
+  /// Maximum memory for data that waits for the disk, and as much again for data being written,
+  /// bytes.
   static constexpr std::size_t kQueueBytes = 32 * 1024 * 1024;
-  /// Of what governed the run since its start, for recordings that begin later.
+  /// Maximum size of the commands, and number of the hand-overs, since the run's start that are
+  /// kept for recordings that begin later.
   static constexpr std::size_t kCommandBytes = 1024 * 1024;
   static constexpr std::size_t kHandovers = 65536;
-  /// How long something waits in memory at most, on its way to the disk.
+  /// Maximum time that data waits in memory before it is written.
   static constexpr std::chrono::milliseconds kFlushPeriod{200};
 
  private:
@@ -153,11 +157,12 @@ class Recorder {
   /// On the wire thread, of the recording that is on its way.
   void put_line(std::uint16_t track, SimTime at, std::string_view text);
   void put_line(const RequestHandover& handover);
-  /// Of a wire, whether it belongs to the recording.
+  /// Returns whether what is due at `at` on a wire belongs to the recording.
   [[nodiscard]] bool records(SimTime at) const {
     return folder_.has_value() && at >= from_ && at <= until_.load(std::memory_order_relaxed);
   }
-  /// The same of the truth, from its thread.
+  /// Returns whether the truth of `at` belongs to the recording. To be called on the truth's
+  /// thread.
   [[nodiscard]] bool records_truth(SimTime at) const {
     return truth_on_.load(std::memory_order_acquire) && at >= truth_from_.load() &&
            at <= until_.load();
@@ -179,10 +184,10 @@ class Recorder {
   std::vector<std::pair<SimTime, std::string>> commands_;
   std::size_t command_bytes_ = 0;
   std::vector<RequestHandover> handovers_;
-  bool forgotten_ = false;  ///< There were more.
+  bool forgotten_ = false;  ///< There were more commands or hand-overs.
   bool clients_acted_ = false;
   Executive* executive_ = nullptr;
-  std::vector<RecordedWire> about_;  ///< Of all wires.
+  std::vector<RecordedWire> about_;  ///< Description of each wire.
   std::vector<std::unique_ptr<Wire>> wires_;
   OutletUser outlet_user_;
   WireUser wire_user_;
@@ -191,7 +196,8 @@ class Recorder {
   RecordQueue queue_;
   std::atomic<bool> told_full_{false};
   std::unique_ptr<RecordingWriter> writer_;
-  std::deque<std::pair<LogLevel, std::string>> trouble_;  ///< Of the writer's thread.
+  /// Problems that the writer's thread has reported.
+  std::deque<std::pair<LogLevel, std::string>> trouble_;
   std::thread thread_;
 };
 

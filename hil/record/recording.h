@@ -20,15 +20,16 @@ struct RequestHandover;
 
 struct RecordingContents {
   RecordedRun run;
-  std::optional<SimTime> end;  ///< Of the run; nothing: it was killed.
+  std::optional<SimTime> end;  ///< End of the run; empty: it was killed.
 
   struct Wire {
     RecordedWire about;
     std::uint64_t packets = 0;
     std::uint64_t of_clients = 0;
     std::uint64_t bytes = 0;
-    std::uint64_t lost = 0;  ///< Passed and was not recorded, as the packets tell.
-    SimTime first{};         ///< Of the packets.
+    /// Packets that passed and were not recorded, as the recorded packets report.
+    std::uint64_t lost = 0;
+    SimTime first{};  ///< Time of the first packet.
     SimTime last{};
   };
   std::vector<Wire> wires;
@@ -64,10 +65,11 @@ struct RecordedAct {
 /// What governed the run and changed it; likewise.
 [[nodiscard]] std::vector<RecordedAct> recorded_commands(const std::filesystem::path& folder);
 
-/// When the truth was asked and followed, in a run whose clock followed the wall's; likewise.
+/// Returns when the truth was asked and followed in a run that followed the wall clock; empty or
+/// throws like client_acts().
 [[nodiscard]] std::vector<RequestHandover> recorded_handovers(const std::filesystem::path& folder);
 
-/// The same without looking at packets and messages: what its description says.
+/// Reads only the description of the recording, without its packets and messages.
 [[nodiscard]] RecordingContents read_recording_description(const std::filesystem::path& folder);
 
 /// Calls `use` for each packet of all wires, in order of time, with the number of its wire.

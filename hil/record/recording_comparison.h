@@ -27,8 +27,8 @@ struct RecordingDifference {
 struct ComparedStream {
   std::string wire;  ///< Or topic of the truth: "/truth".
   bool of_clients = false;
-  std::uint64_t units = 0;        ///< Equal before the first difference.
-  std::uint64_t passed_over = 0;  ///< Of the second, for want of them in the first.
+  std::uint64_t units = 0;        ///< Equal units before the first difference.
+  std::uint64_t passed_over = 0;  ///< Units of the second that the first reports as lost.
   std::optional<RecordingDifference> difference;
 };
 

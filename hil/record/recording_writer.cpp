@@ -74,9 +74,10 @@ struct RecordingWriter::Wire {
   RecordedWire about;
   std::uint32_t index = 0;
   std::unique_ptr<BlockFile> packets;
-  std::unique_ptr<BlockFile> frames;  ///< candump, of a CAN bus.
-  std::unique_ptr<BlockFile> ends;    ///< Of a bus or a serial line.
-  /// Of a serial line: what the device sent, what it was sent, when.
+  std::unique_ptr<BlockFile> frames;  ///< Frames of a CAN bus in candump format.
+  /// Changes of the client's end of a bus or a serial line.
+  std::unique_ptr<BlockFile> ends;
+  /// For a serial line: bytes that the device sent, bytes that it received, and their times.
   std::unique_ptr<RecordingFile> sent;
   std::unique_ptr<RecordingFile> received;
   std::unique_ptr<BlockFile> pieces;

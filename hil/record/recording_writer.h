@@ -45,14 +45,14 @@
 
 namespace rigwire::hil {
 
-/// Of a recording's lines: seconds with nine decimals.
+/// Returns an instant in the form of a recording's lines: seconds with nine decimals.
 [[nodiscard]] std::string instant_text(SimTime at);
 /// "serial", "can", "ethernet".
 [[nodiscard]] std::string_view name_of(WireKind kind);
 
-/// What a recording is of.
+/// The run that is recorded.
 struct RecordedRun {
-  std::string version;  ///< Of rigwire.
+  std::string version;  ///< Version of rigwire.
   std::string rig;
   std::uint64_t seed = 0;
   std::string config_hash;
@@ -73,9 +73,9 @@ struct RecordedWire {
   std::string address;  ///< What a client opens.
 };
 
-/// Of lines of commands.log, without the instant.
+/// Track of the lines of commands.log, without the instant.
 inline constexpr std::uint16_t kCommandTrack = kTruthTracks;
-/// Likewise of requests.log.
+/// Track of the lines of requests.log, without the instant.
 inline constexpr std::uint16_t kRequestTrack = kCommandTrack + 1;
 /// Behind what was only promised.
 inline constexpr const char* kPromised = " promised";
@@ -84,9 +84,9 @@ inline constexpr const char* kPromised = " promised";
   return static_cast<std::uint16_t>(kRequestTrack + 1 + wire);
 }
 
-// Flags of an entry of a wire. Bytes are those of a packet of its link type, on a serial line those
-// that it carried.
-inline constexpr std::uint8_t kInbound = 1;   ///< Of a client.
+// Flags of an entry of a wire. Its bytes are those of a packet of the wire's link type; on a serial
+// line the bytes that it carried.
+inline constexpr std::uint8_t kInbound = 1;   ///< Sent by a client.
 inline constexpr std::uint8_t kWireLost = 2;  ///< No packet: the wire did not take one.
 inline constexpr std::uint8_t kWireNote = 4;  ///< No packet: a comment for the next one.
 inline constexpr std::uint8_t kWireEnd = 8;   ///< No packet: what a client did, for NAME.ends.

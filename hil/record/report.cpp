@@ -115,7 +115,7 @@ std::string to_json(const RunReport& report) {
 
 namespace {
 
-/// Of a label's value, as the text format has it.
+/// Escapes a label's value for Prometheus' text format.
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char c : text) {

@@ -21,8 +21,8 @@ struct DeviceReport {
   std::uint64_t frames = 0;
   WireStatistics statistics;
   std::optional<ClientRequest> last_request;
-  std::vector<NamedCount> counts;  ///< Of the device's own, beside frames.
-  std::string remark{};            ///< What it has to say of itself; may be empty.
+  std::vector<NamedCount> counts;  ///< Counts of the device's own, beside frames.
+  std::string remark{};            ///< Remark of the device; may be empty.
 };
 
 struct RunReport {
@@ -34,11 +34,11 @@ struct RunReport {
   RunOutcome outcome;
   /// User and system time of the process, but for what keeps processors awake.
   double cpu_s = 0.0;
-  double peak_rss_mb = 0.0;  ///< Of the whole process, 1e6 bytes.
+  double peak_rss_mb = 0.0;  ///< Peak resident memory of the process, 1e6 bytes.
   TruthStages truth;
   WireStages wire;
   std::vector<DeviceReport> devices;
-  std::vector<FaultWindow> faults;  ///< Of the rig's file, those that acted in this run.
+  std::vector<FaultWindow> faults;  ///< Faults of the rig's file that acted in this run.
 };
 
 /// Counts by their upper edge in microseconds, [[10, 4], ...]; null: what is above all.
@@ -48,8 +48,8 @@ struct RunReport {
 /// free-running: simulated time waits for the write there.
 [[nodiscard]] std::string to_json(const RunReport& report);
 
-/// The same figures as Prometheus text, format 0.0.4, also of a run that goes on; without those of
-/// the truth's stages.
+/// Returns the report's figures as Prometheus text, format 0.0.4, also during a run; those of the
+/// truth's stages are left out.
 [[nodiscard]] std::string to_prometheus(const RunReport& report);
 
 /// User and system CPU time of this process so far, and its peak resident memory.

@@ -59,13 +59,13 @@ struct RunEvent {
 
 class RunEvents final : public EventSource {
  public:
-  /// Of what it is told by tell().
+  /// Number of events of tell() that are kept.
   static constexpr std::size_t kKept = 2000;
 
-  /// From any thread: it happens now.
+  /// Reports an event that happens now. May be called from any thread.
   void tell(SimTime at, EventKind kind, LogLevel level, std::string where, std::string text);
-  /// From the thread of the truth: it will be so at `at`, which the wires have not reached. In
-  /// order of time.
+  /// Reports on the thread of the truth, in order of time, an event that will happen at `at`, which
+  /// the wires have not reached.
   void tell_ahead(SimTime at, EventKind kind, LogLevel level, std::string where, std::string text);
 
   /// Those after the one of number `since`, as far as they are kept.
@@ -77,10 +77,11 @@ class RunEvents final : public EventSource {
   [[nodiscard]] Excerpt since(std::uint64_t number) const;
   [[nodiscard]] std::uint64_t last() const;
 
-  /// Who hears of each event when it gets its number, on the thread that tells it; must tell none.
+  /// Called with each event when it gets its number, on the thread that reports it; must not report
+  /// one.
   using Listener = std::function<void(const RunEvent&)>;
-  /// The recorder, the desk and the stream. Empty: it hears no more; returns when it is not being
-  /// told.
+  /// Sets the listeners of the recorder, the desk and the stream. Empty: removes the listener;
+  /// returns when it is not being called.
   void inform(Listener listener) { inform(0, std::move(listener)); }
   void inform_desk(Listener listener) { inform(1, std::move(listener)); }
   void inform_stream(Listener listener) { inform(2, std::move(listener)); }
@@ -100,7 +101,7 @@ class RunEvents final : public EventSource {
   std::deque<RunEvent> kept_;
   std::uint64_t last_ = 0;
   std::deque<RunEvent> ahead_;
-  std::atomic<SimTime> next_{kNever};  ///< Of what was told ahead.
+  std::atomic<SimTime> next_{kNever};  ///< Time of the first event reported in advance.
   std::array<Listener, 3> listeners_;
 };
 

@@ -28,9 +28,9 @@ class sink;
 
 namespace rigwire::hil {
 
-/// Of a line, and least of those that are said. As --log-level has them.
+/// Level of a line, and lowest level that is logged, as in --log-level.
 enum class LogLevel {
-  debug,    ///< What the run does by itself, for who looks for a mistake.
+  debug,    ///< What the run does by itself, for debugging.
   info,     ///< What the run did as it was asked to.
   warning,  ///< Something is not as it was asked for; the run goes on as it should.
   error     ///< Something that was asked for is missing from now on.
@@ -57,13 +57,13 @@ class RunLog {
   /// A line that whoever is informed hears of otherwise.
   void apart(LogLevel level, std::string_view text);
 
-  /// Where the simulated time of the lines to come is from, called by whoever logs; empty: they
-  /// have none.
+  /// Sets the source of the simulated time of later lines, called by the thread that logs; empty:
+  /// the lines have no time.
   void follow(std::function<SimTime()> now);
 
-  /// Who is told of warnings and errors besides, on the thread that logs; must not log. What is
-  /// said of less holds tokens of control servers. Empty: nobody. Returns when nobody is being
-  /// told.
+  /// Called with warnings and errors, on the thread that logs; must not log. Lower levels are not
+  /// passed on, since they hold tokens of control servers. Empty: no listener. inform() returns
+  /// when no listener is being called.
   using Listener = std::function<void(LogLevel level, std::string_view text)>;
   void inform(Listener listener);
 

@@ -106,7 +106,7 @@ std::string location_message(const std::string& timestamp, std::string_view fram
 std::string log_message(std::int64_t start_unix_ns, SimTime at, LogLevel level,
                         std::string_view name, std::string_view text) {
   const Json json{{"message", text}, {"name", name}, {"file", ""}, {"line", 0}};
-  // As foxglove.Log counts them: 1 debug, 2 info, 3 warning, 4 error.
+  // Levels of foxglove.Log: 1 debug, 2 info, 3 warning, 4 error.
   const std::string members = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   return fmt::format(R"({{"timestamp":{},"level":{},{})", timestamp(start_unix_ns, at),
                      static_cast<int>(level) + 1, members.substr(1));

@@ -47,9 +47,9 @@ struct ChannelRow {
 /// {"sec","nsec"} of an instant of a run that started at `start_unix_ns`.
 [[nodiscard]] std::string timestamp(std::int64_t start_unix_ns, SimTime at);
 
-/// How sure a place is, along east, north and up: covariance of foxglove.LocationFix.
+/// Uncertainty of a position along east, north and up: covariance of foxglove.LocationFix.
 struct LocationSpread {
-  /// As foxglove.LocationFix counts them.
+  /// Covariance types in the order of foxglove.LocationFix.
   enum class Kind : std::uint8_t { unknown, guessed, along_axes };
   std::array<double, 3> sigma_m{};
   Kind kind = Kind::unknown;
@@ -87,7 +87,7 @@ class TruthMessages {
 
   using Wanted = std::function<bool(TruthTrack track)>;
   using Put = std::function<void(TruthTrack track, SimTime at, std::string_view text)>;
-  /// Of what is not wanted nothing is laid out.
+  /// Passes the messages of a record to `put`, one or more for each track that is wanted.
   void tell(const TruthRecord& record, const Wanted& wanted, const Put& put);
 
  private:

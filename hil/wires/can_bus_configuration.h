@@ -59,7 +59,8 @@ struct BusConfiguration {
   bool attach = true;  ///< gs_usb: to this machine's kernel.
   drivers::SlcanDialect slcan_dialect = drivers::SlcanDialect::automatic;
   emulators::CanBusSettings bus;
-  emulators::CanQueueOrder order = emulators::CanQueueOrder::fifo;  ///< Of the devices' queues.
+  /// Order of the devices' transmit queues.
+  emulators::CanQueueOrder order = emulators::CanQueueOrder::fifo;
   bool one_shot = false;
   bool restarts = true;
   Duration restart_after = std::chrono::milliseconds{100};

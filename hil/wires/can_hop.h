@@ -50,7 +50,7 @@ struct CanPort {
 /// An open hop: the first way to a client, and the further ports of the bus.
 struct CanHop : CanPort {
   struct Further : CanPort {
-    std::string node;  ///< Of the bus model.
+    std::string node;  ///< Name of its node in the bus model.
   };
   CanWireChoice choice;
   std::vector<Further> further;

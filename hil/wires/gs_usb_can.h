@@ -25,7 +25,7 @@ namespace rigwire::hil {
 [[nodiscard]] std::string gs_usb_obstacle();
 
 struct GsUsbCanSettings {
-  std::string name = "can";  ///< Of the device in the USB bus's list.
+  std::string name = "can";  ///< Name of the device in the USB bus's list.
   emulators::GsUsbSettings adapter{.memory_frames = emulators::GsUsbAdapter::kMemoryMax};
   bool attach = false;  ///< To this machine's kernel.
 };

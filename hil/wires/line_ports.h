@@ -12,13 +12,13 @@
 
 namespace rigwire::hil {
 
-/// Whether a serial line minds that its client is set to another speed.
+/// How a serial line treats a client that is set to another speed.
 enum class BaudCheck {
-  /// As strict, but 9600 bit/s passes: gpsd sets it on every pseudo-terminal and never hunts for
-  /// another speed there, and libraries set it for programs that ask for none.
+  /// Checks like `strict`, but accepts 9600 bit/s: gpsd sets it on every pseudo-terminal and never
+  /// searches for another speed there, and libraries set it for programs that ask for none.
   lenient,
-  strict,  ///< As on a wire: a client at another speed hears garbage and is heard as garbage.
-  none,    ///< Every client is understood.
+  strict,  ///< A client at another speed receives garbage and sends garbage.
+  none,    ///< Accepts a client at any speed.
 };
 inline constexpr std::array<fields::Choice<BaudCheck>, 3> kBaudChecks{
     {{BaudCheck::lenient, "lenient", "At another speed than the device's, 9600 bit/s excepted."},
@@ -33,7 +33,7 @@ inline constexpr std::array<fields::Choice<BaudCheck>, 3> kBaudChecks{
   return passes ? 0 : client_baud;
 }
 
-/// Of one wire.
+/// Allowed number of ports of one wire.
 inline constexpr fields::IntegerRule kPorts{1, 16};
 
 /// The key of a serial device.

@@ -45,7 +45,8 @@ protocols::can::Frame frame_of(std::span<const std::uint8_t> unit) {
   return frame;
 }
 
-/// Of a terminal's client: its address is a path, of an adapter behind its protocol.
+/// Returns the bytes that a terminal's client has not read yet. The terminal's address is a path;
+/// an adapter's has the path behind its protocol.
 std::optional<std::size_t> untaken_at(const drivers::EndpointStatus& endpoint) {
   const std::size_t path = endpoint.address.find('/');
   if (!endpoint.client_present || path == std::string::npos) {

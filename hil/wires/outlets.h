@@ -38,10 +38,11 @@ class QueuedOutlet : public Outlet {
   /// How many units have left so far.
   [[nodiscard]] std::uint64_t left() const { return left_; }
 
-  /// From now on nobody is on the wire: what leaves is taken and told to the tap, and reaches no
-  /// endpoint; what comes from the endpoint is not heard.
+  /// Disconnects the wire: from now on units are taken and reported to the tap but reach no
+  /// endpoint, and input of the endpoint is ignored.
   void cut_off() { cut_off_ = true; }
-  /// As if a client had sent it just now. False: nothing of that kind is heard here.
+  /// Handles `piece` as if a client had sent it just now. False: this outlet receives none of that
+  /// kind.
   bool arrive(const WirePiece& piece);
 
  protected:
@@ -76,15 +77,16 @@ class QueuedOutlet : public Outlet {
   std::uint64_t left_ = 0;
   bool apart_ = false;
   bool cut_off_ = false;
-  SimTime last_due_{};   ///< Of the unit that left last,
-  SimTime last_left_{};  ///< and when it did.
+  SimTime last_due_{};   ///< Due time of the last unit sent.
+  SimTime last_left_{};  ///< Time when it was sent.
 };
 
 /// A serial line: what the line does not take is lost.
 class StreamOutlet final : public QueuedOutlet, public emulators::ByteOutput {
  public:
   StreamOutlet(drivers::ByteStream& stream, WireStatistics& statistics);
-  /// As the endpoint's, and before start().
+  /// Sets the watcher of the endpoint's client (ByteStream::on_client()); to be called before
+  /// start().
   void on_client(drivers::ByteStream::ClientWatcher watcher);
   /// Starts the endpoint.
   void start(drivers::ByteStream::Receiver receiver);
@@ -181,7 +183,7 @@ class ServerOutlet final : public QueuedOutlet, public emulators::StreamOutput {
 class FrameOutlet final : public QueuedOutlet {
  public:
   explicit FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames = 64);
-  /// As the endpoint's, and before start().
+  /// Sets the watcher of the endpoint's client (CanBus::on_client()); to be called before start().
   void on_client(drivers::CanBus::ClientWatcher watcher);
   /// Starts the endpoint. Every frame that it hands over must be confirmed, in that order.
   void start(drivers::CanBus::Receiver receiver);
@@ -202,7 +204,8 @@ class FrameOutlet final : public QueuedOutlet {
   drivers::CanBus& bus_;
   drivers::CanBus::Receiver receiver_;
   drivers::CanBus::ClientWatcher watcher_;
-  std::deque<protocols::can::Frame> unsettled_;  ///< Of the client; kept while there is a tap.
+  /// Frames of the client that are not confirmed; kept while there is a tap.
+  std::deque<protocols::can::Frame> unsettled_;
   WireStatistics controller_;
   std::size_t frames_waiting_ = 0;
   std::size_t reports_waiting_ = 0;

@@ -28,9 +28,11 @@ namespace rigwire::hil {
 struct RigCanSettings {
   /// For every node of a device; its name is begin_device()'s.
   emulators::CanNodeSettings node{};
-  /// Of the client's controller, after bus-off; nullopt: the client asks for it.
+  /// Restart delay of the client's controller after bus-off; nullopt: the client requests the
+  /// restart.
   std::optional<Duration> client_restart_after = std::chrono::milliseconds{100};
-  /// The endpoint knows whether a client is there (CanBus::on_client). Else one always is.
+  /// The endpoint reports whether a client is there (CanBus::on_client). False: there always is
+  /// one.
   bool client_is_known = false;
   /// One node more that sends nothing and acknowledges everything, as the rest of a machine does.
   bool acknowledging_node = false;
@@ -59,7 +61,7 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   void attach(emulators::FrameOutput& output, emulators::CanDevice& device);
   /// After the last add_node(), before the run. Throws std::invalid_argument.
   void set_faults(const emulators::CanBusFaults& faults);
-  /// Of the faults that were set, and of more. It must outlive the port.
+  /// Returns the port for the faults that were set, and for more. It must outlive the port.
   [[nodiscard]] std::unique_ptr<FaultPort> fault_port(
       const std::vector<emulators::CanFault>& configured);
 
@@ -78,7 +80,7 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   /// The first way outside; a client is there when any port has one.
   [[nodiscard]] drivers::EndpointStatus endpoint() const;
   [[nodiscard]] const emulators::CanBusModel& bus() const { return bus_; }
-  /// Of what goes to the client besides frames of devices.
+  /// Returns the statistics of what the client is sent besides frames of devices.
   [[nodiscard]] const WireStatistics& controller_statistics() const {
     return outlet_.controller_statistics();
   }

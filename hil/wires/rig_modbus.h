@@ -27,12 +27,13 @@ class RigModbus : public EventSource {
   /// Adds line and outlet to the executive and starts the endpoint. Once.
   virtual void start(Executive& executive) = 0;
 
-  /// Of the line's faults; `configured`: those that it was made with. It must outlive the port.
+  /// Returns the port for the line's faults; `configured`: those that it was made with. It must
+  /// outlive the port.
   [[nodiscard]] virtual std::unique_ptr<FaultPort> fault_port(
       const std::vector<emulators::ModbusFault>& configured) = 0;
 
   [[nodiscard]] virtual drivers::EndpointStatus endpoint() const = 0;
-  /// Of all devices of the line together.
+  /// Returns the statistics of all devices of the line together.
   [[nodiscard]] const WireStatistics& statistics() const { return statistics_; }
 
   [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }

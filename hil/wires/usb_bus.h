@@ -37,18 +37,18 @@ class UsbBus {
   /// what a client sees in the list. The bus lets the device live (advance) from then on. Throws
   /// std::invalid_argument when the device's description is not valid.
   virtual Socket plug(emulators::UsbDevice& device, std::string_view name) = 0;
-  /// One more fault of that plug. It begins no earlier than the bus was advanced to. Throws
+  /// Adds a fault of that plug. It begins no earlier than the bus was advanced to. Throws
   /// std::invalid_argument.
   virtual FaultBook<PlugFault>::Id begin(Socket socket, const PlugFault& fault) = 0;
-  /// As FaultBook::end().
+  /// Ends a fault of that plug (FaultBook::end()).
   virtual bool end(Socket socket, FaultBook<PlugFault>::Id id, SimTime now) = 0;
-  /// The same of the device's supply: without, nobody is at the socket.
+  /// Adds or ends an outage of the device's supply: without supply the socket is empty.
   virtual FaultBook<emulators::SupplyFault>::Id begin(Socket socket,
                                                       const emulators::SupplyFault& fault) = 0;
   virtual bool end_outage(Socket socket, FaultBook<emulators::SupplyFault>::Id id, SimTime now) = 0;
-  /// A client has the device.
+  /// Returns whether a client has imported the device.
   [[nodiscard]] virtual bool imported(Socket socket) const = 0;
-  /// What a client attaches: "usb 127.0.0.1:3240 1-1".
+  /// Returns the address for a client: "usb 127.0.0.1:3240 1-1".
   [[nodiscard]] virtual std::string address(Socket socket) const = 0;
   /// Present simulated time.
   [[nodiscard]] virtual SimTime now() const = 0;

@@ -21,7 +21,7 @@ struct UsbConfiguration {
   bool allow_remote = false;
 };
 
-/// Those of a plug from the start, begun, and the port for more. `bus` must outlive it.
+/// Begins the configured faults of a plug, and returns the port for more. `bus` must outlive it.
 [[nodiscard]] inline std::unique_ptr<FaultPort> begin_plug_faults(
     const std::vector<PlugFault>& faults, UsbBus& bus, UsbBus::Socket socket) {
   for (const PlugFault& fault : faults) {
@@ -32,7 +32,8 @@ struct UsbConfiguration {
                [&bus, socket](std::uint32_t id, SimTime now) { return bus.end(socket, id, now); }});
 }
 
-/// The same of its supply, of a device that has no other than the plug's.
+/// Begins the configured faults of the supply of a device that is powered by its plug alone, and
+/// returns the port for more. `bus` must outlive it.
 [[nodiscard]] inline std::unique_ptr<FaultPort> begin_supply_faults(
     const std::vector<emulators::SupplyFault>& faults, UsbBus& bus, UsbBus::Socket socket) {
   for (const emulators::SupplyFault& fault : faults) {

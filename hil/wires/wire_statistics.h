@@ -57,7 +57,7 @@ struct WireStatistics {
   std::uint64_t dropped = 0;  ///< Units that the queue or the endpoint refused, whole or in part.
   LatencyHistogram
       lateness;     ///< Wall time of the write after the due time; empty when free-running.
-  StreamHash hash;  ///< Of every unit with its due time, dropped ones included.
+  StreamHash hash;  ///< Hash of every unit with its due time, dropped ones included.
   std::optional<SimTime> last_client_activity;  ///< When a client last sent something.
 };
 

@@ -43,23 +43,23 @@ struct StreamPiece {
   std::span<const std::uint8_t> bytes;
 };
 
-/// Bytes, frames, and how the client has set its end: the last two are only ever received.
+/// Bytes, frames, and the settings of the client's end: the last two are only ever received.
 using WirePiece = std::variant<SerialPiece, DatagramPiece, StreamPiece, protocols::can::Frame,
                                protocols::can::ErrorFrame, drivers::LineClient, drivers::CanClient>;
 
-/// Of one wire. On the wire thread; never throws, never waits. What is told is valid during the
-/// call.
+/// Receives what passes on one wire, on the wire thread. Functions must not throw or wait;
+/// arguments are valid during the call.
 class WireTap {
  public:
   virtual ~WireTap() = default;
-  /// Due at `at`, in order of time among all wires.
+  /// The device's piece is due at `at`; in order of time among all wires.
   virtual void sent(SimTime at, const WirePiece& piece) = 0;
-  /// A client's, which the bus carried at `at`; in the same order.
+  /// The bus carried the client's piece at `at`; in order of time among all wires.
   virtual void carried(SimTime at, const WirePiece& piece) = 0;
-  /// A client's, which the device has been given just now. A frame has been offered to the bus, and
-  /// is told again when the bus has carried it.
+  /// The device has just received the client's piece. A frame has been offered to the bus, and is
+  /// reported again when the bus has carried it.
   virtual void received(const WirePiece& piece) = 0;
-  /// Of a device, due at `at`; neither in the queue nor at the endpoint was there room for it.
+  /// A piece of a device, due at `at`, was lost: the queue or the endpoint was full.
   virtual void lost(SimTime at) = 0;
 };
 

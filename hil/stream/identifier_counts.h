@@ -12,7 +12,7 @@
 
 namespace rigwire::hil {
 
-/// As tools write it: three digits, of an identifier of 29 bits eight.
+/// Returns the identifier as tools write it: three hexadecimal digits, or eight for 29 bits.
 [[nodiscard]] std::string identifier_text(const protocols::can::Frame& frame);
 
 class IdentifierCounts {

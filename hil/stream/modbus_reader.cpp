@@ -22,7 +22,7 @@ using emulators::ModbusTable;
 using emulators::ValveRegister;
 using Bytes = std::span<const std::uint8_t>;
 
-// Of a PDU (protocols/modbus/pdu.h).
+// Offsets within a PDU (protocols/modbus/pdu.h).
 constexpr std::size_t kAddress = 1;
 constexpr std::size_t kQuantity = 3;
 constexpr std::size_t kWriteByteCount = 5;
@@ -346,7 +346,7 @@ void ModbusReader::read_values(Unit* unit, Span span, std::span<const std::uint8
 
 void ModbusReader::note_written(SimTime at, Exchange exchange, Unit& unit,
                                 const modbus::Request& request) {
-  // As the request has them: its own bytes are read again, for their values.
+  // Encode the request again to read the written values from its bytes.
   const modbus::Pdu pdu = modbus::encode_request(request);
   const auto mark = [&](Span span) {
     for (std::size_t i = 0; i < span.count; ++i) {

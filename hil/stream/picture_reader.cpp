@@ -39,7 +39,8 @@ unsigned depth_of(Code code) {
   }
 }
 
-/// Of a coordinate's value in a picture.
+/// Returns the grey of a coordinate's value in a picture: linear between black and white, 0 if the
+/// value is invalid.
 unsigned grey_of(const CoordinateScale& scale, unsigned value) {
   if (value == scale.coding.invalid) {
     return 0;
@@ -164,7 +165,7 @@ bool PictureReader::end() {
 bool PictureReader::make_small() {
   const bool bayer = is_bayer(part_.format);
   const bool coloured = bayer || part_.format == Code::rgb8;
-  // Of a mosaic a cell of four, which has all colours, makes a pixel.
+  // One cell of four pixels of a mosaic has all colours and makes one pixel.
   const std::uint32_t cell = bayer ? 2 : 1;
   const std::uint32_t columns = part_.width / cell;
   const std::uint32_t rows = part_.height / cell;

@@ -38,7 +38,7 @@ struct SmallPicture {
   std::string_view encoding;  ///< "mono8" or "rgb8".
   std::vector<std::uint8_t> pixels;
   std::string remark;  ///< Limits of the grey of a coordinate; empty for an image.
-  // Of the picture that was sent.
+  // Block number and size of the picture that was sent.
   std::uint64_t block = 0;
   std::uint32_t sent_width = 0;
   std::uint32_t sent_height = 0;
@@ -76,9 +76,9 @@ class PictureReader {
   std::size_t part_number_ = 0;
   std::size_t part_from_ = 0;  ///< In the payload.
   std::vector<std::uint8_t> bytes_;
-  std::size_t come_ = 0;    ///< Bytes, each counted once.
-  std::size_t room_ = 0;    ///< Of a packet; 0: none has come.
-  std::uint32_t last_ = 0;  ///< Number of the packet that came last.
+  std::size_t come_ = 0;    ///< Bytes received, each counted once.
+  std::size_t room_ = 0;    ///< Payload bytes of a full packet; 0: no packet yet.
+  std::uint32_t last_ = 0;  ///< Number of the last received packet.
   SimTime next_ = kStart;
   SmallPicture small_;
 };

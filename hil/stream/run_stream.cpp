@@ -28,16 +28,16 @@ namespace {
 namespace foxglove = protocols::foxglove;
 using Json = nlohmann::ordered_json;
 
-/// Between two changes of the scene, simulated.
+/// Simulated time between two changes of the scene.
 constexpr Duration kScenePeriod = std::chrono::milliseconds{200};
-/// Of wall time, between two accounts of a wire.
+/// Wall time between two accounts of a wire.
 constexpr std::chrono::milliseconds kAccountPeriod{200};
-/// Of wall time, between two looks at what has come: with viewers, and without. No multiple of a
-/// millisecond, so that it does not come whenever truth and wires do.
+/// Wall time between two looks for new input: with viewers, and without. No multiple of a
+/// millisecond, so that it does not coincide with truth and wires each time.
 constexpr std::chrono::microseconds kLookPeriod{7300};
 constexpr std::chrono::milliseconds kIdleLookPeriod{50};
-/// Of wall time, between two datagrams of so many bytes that are told with their fields: nobody
-/// reads more, and the fields of a lidar's 1800 a second would take a core.
+/// Wall time between two datagrams of at least kBulkBytes that are sent with their fields: nobody
+/// reads more, and the fields of a lidar's 1800 datagrams a second would occupy a core.
 constexpr std::chrono::milliseconds kBulkPeriod{20};
 constexpr std::size_t kBulkBytes = 1000;
 
@@ -138,11 +138,11 @@ std::string picture_message(std::int64_t unix_ns, const std::string& frame,
   return bytes;
 }
 
-/// What stands below a preview.
+/// Text shown below a preview.
 constexpr const char* kPreviewRemark =
     "preview, rendered for this page; no client takes the camera's pictures";
 
-/// As a message has it; its block is 0, which no camera sends.
+/// Returns a preview as a picture message; its block is 0, which no camera sends.
 SmallPicture small_picture(const CameraPreview& preview) {
   SmallPicture small;
   small.width = static_cast<std::uint32_t>(preview.picture.columns);
@@ -158,7 +158,7 @@ SmallPicture small_picture(const CameraPreview& preview) {
   return small;
 }
 
-/// Of dense messages, of which the newest counts.
+/// Returns a channel of large, frequent messages of which only the newest is needed.
 StreamChannel dense_channel(std::string topic, std::string_view schema_name, std::string schema) {
   return {.topic = std::move(topic),
           .encoding = std::string(foxglove::kCdrEncoding),
@@ -234,12 +234,12 @@ class RunStream::Truth final : public TruthObserver {
     return stream_.tracks_[static_cast<std::size_t>(track)];
   }
   RunStream& stream_;
-  // Of the thread of the viewers.
+  // Used on the viewers' thread.
   TruthMessages messages_;
   std::optional<TruthRecord> newest_;
 };
 
-/// Of what passes on a wire, for the decoder.
+/// What passes on a wire, for the decoder.
 struct RunStream::Piece {
   Wire* wire = nullptr;
   SimTime at{};
@@ -308,7 +308,7 @@ class RunStream::Wire final : public WireTap {
     return modbus_ ? modbus_->registers() : identifiers_.json(can_messages_);
   }
   void decode_message(const Piece& piece);
-  /// Of datagrams with much in them, whose like come by the thousand, some are told.
+  /// Returns whether a datagram is sent to viewers: of frequent large ones only some are.
   [[nodiscard]] bool is_to_be_told(const Piece& piece);
   void hear(SimTime at, bool of_client, const WirePiece& piece);
   [[nodiscard]] bool wanted() const {
@@ -327,7 +327,7 @@ class RunStream::Wire final : public WireTap {
   std::optional<Viewers::ChannelId> fixes_;
   std::optional<Viewers::ChannelId> satellites_;
   std::optional<Viewers::ChannelId> pictures_;
-  /// Of a Modbus line its registers, of a CAN bus its identifiers: told from time to time.
+  /// Channel of a Modbus line's registers or a CAN bus's identifiers, sent periodically.
   std::optional<Viewers::ChannelId> account_;
   std::optional<LidarClouds> clouds_;
   std::vector<protocols::can::OwnedMessage> can_messages_;
@@ -339,10 +339,11 @@ class RunStream::Wire final : public WireTap {
   std::optional<ModbusReader> modbus_;
   IdentifierCounts identifiers_;
   std::chrono::steady_clock::time_point bulk_told_;
-  std::uint64_t left_out_ = 0;  ///< Of these, since the last message.
+  /// Large datagrams that were left out since the last message.
+  std::uint64_t left_out_ = 0;
 };
 
-/// From the thread of the wires to that of the viewers.
+/// Passes pieces from the wire thread to the viewers' thread.
 class RunStream::Decoder {
  public:
   /// On the thread of the wires; the bytes are copied.
@@ -397,7 +398,7 @@ class RunStream::Decoder {
   std::uint64_t not_shown_ = 0;
   // On the thread of the viewers.
   Queue taken_;
-  std::set<Wire*> untold_;  ///< Whose accounts have changed since they were told.
+  std::set<Wire*> untold_;  ///< Wires whose accounts have changed since they were sent.
   std::chrono::steady_clock::time_point accounts_told_;
   SimTime last_{};
 };

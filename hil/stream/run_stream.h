@@ -69,10 +69,10 @@ struct ShownSensor {
   std::string kind;  ///< "receiver", "imu", "camera", "lidar".
   std::string link;
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
-  // Of a camera, from the middle of one edge of the picture to the other's.
+  // A camera's fields of view between the middles of opposite edges of the picture.
   double horizontal_rad = 0.0;
   double vertical_rad = 0.0;
-  std::optional<CoordinateScale> coordinates{};  ///< Of a camera with a third coordinate.
+  std::optional<CoordinateScale> coordinates{};  ///< For a camera with a third coordinate.
 };
 
 struct StreamedRun {
@@ -82,19 +82,21 @@ struct StreamedRun {
   sim::LocalFrame frame;
   std::vector<RecordedLidar> lidars;
   std::set<std::string> receivers;  ///< Names of satellite receivers.
-  /// Of the messages on the CAN bus of that name; asked once, before the run.
+  /// Returns the messages on the CAN bus of that name; called once, before the run.
   std::function<std::vector<protocols::can::OwnedMessage>(const std::string& bus)> messages;
-  /// Those of the Modbus line, or of the device with a line of its own, of that name; likewise.
+  /// Returns the units of the Modbus line, or of the device with a line of its own, of that name;
+  /// called once, before the run.
   std::function<std::vector<NamedUnit>(const std::string& wire)> units;
   std::vector<ShownSensor> sensors;
 };
 
 class RunStream {
  public:
-  /// Of what passes, waiting to be decoded.
+  /// Maximum size of the data that waits to be decoded.
   static constexpr std::size_t kQueueBytes = 8 * 1024 * 1024;
 
-  /// `io`: of the viewers. It must not run until the rig is made, nor when the stream is destroyed.
+  /// `io`: the viewers' io_context. It must not run before the rig is made, nor while the stream is
+  /// destroyed.
   RunStream(boost::asio::io_context& io, StreamedRun run);
   ~RunStream();
   RunStream(const RunStream&) = delete;
@@ -108,7 +110,7 @@ class RunStream {
 
   // While the rig is made.
 
-  /// Who is told of a wire; lives as long as the stream.
+  /// Returns the tap of a wire; it lives as long as the stream.
   [[nodiscard]] WireTap& add_wire(const std::string& name, WireKind kind);
 
   // When it is, before it runs. What is returned must not outlive the stream.
@@ -152,7 +154,7 @@ class RunStream {
   std::function<SimTime()> now_ = [] { return kStart; };
   std::unique_ptr<Ahead> ahead_;
   std::array<Viewers::ChannelId, kTruthTracks> tracks_{};
-  Truth* truth_ = nullptr;  ///< Of the world, once there is one.
+  Truth* truth_ = nullptr;  ///< Truth of the world; null before there is a world.
   Viewers::ChannelId scene_channel_ = 0;
   std::optional<SceneModel> scene_;
   Viewers::ChannelId air_channel_ = 0;

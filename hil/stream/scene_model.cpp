@@ -27,7 +27,8 @@ std::string model_name(std::size_t number) {
   return fmt::format("{}mesh/{}", kScheme, number);
 }
 
-/// Of the triangles of a part every so many, in pairs, which are the two halves of a leaf.
+/// Returns at most about `most` triangles of a part, evenly picked in pairs, which are the two
+/// halves of a leaf.
 std::vector<std::uint32_t> thinned(const std::vector<std::uint32_t>& corners, std::size_t most) {
   const std::size_t pairs = corners.size() / 6;
   if (corners.size() / 3 <= most) {
@@ -52,7 +53,7 @@ std::array<float, 3> colour_of(const sim::Shade& shade) {
           0.5F * (shade.one.blue + shade.two.blue)};
 }
 
-/// As it looks to cameras that are told nothing else.
+/// Returns a surface's colour as a camera with the default materials sees it.
 std::array<float, 3> colour_of(const sim::SceneContents::Surface& surface) {
   const sim::Shade shade = sim::shade_of(surface.material, {});
   return colour_of(surface.colour ? sim::painted(shade, *surface.colour) : shade);

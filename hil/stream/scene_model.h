@@ -44,8 +44,8 @@ class SceneModel {
   struct Entity {
     std::string id;
     std::string frame;
-    std::string model;  ///< Its name.
-    std::string label;  ///< Of its first surface.
+    std::string model;  ///< Name of the model.
+    std::string label;  ///< Label of its first surface.
     Eigen::Isometry3d X_FE = Eigen::Isometry3d::Identity();
     double scale = 1.0;
   };
@@ -57,7 +57,7 @@ class SceneModel {
     std::size_t columns = 0;  ///< Tiles.
     std::size_t rows = 0;
     std::vector<unsigned> versions;
-    std::vector<std::string> texts;  ///< Of the tiles, as they are told.
+    std::vector<std::string> texts;  ///< JSON texts of the tiles, as they are sent.
   };
   void add_terrain(const sim::SceneContents::Terrain& terrain);
   void add_things(const sim::SceneContents& contents);
@@ -71,12 +71,13 @@ class SceneModel {
   std::string stamp_;
   std::vector<Terrain> terrains_;
   std::vector<Entity> entities_;
-  std::vector<std::string> texts_;  ///< Of the entities, as they are told.
+  std::vector<std::string> texts_;  ///< JSON texts of the entities, as they are sent.
   std::map<std::string, std::shared_ptr<const std::string>, std::less<>> models_;
-  std::map<std::size_t, std::vector<std::size_t>> of_body_;          ///< Entities of loose bodies.
-  std::map<std::uint32_t, std::size_t> of_instance_;                 ///< Entities of fixed things.
-  std::map<std::uint32_t, sim::SceneContents::Thing> fixed_;         ///< Whose pieces may leave.
-  std::map<std::uint32_t, sim::SceneContents::Mesh> meshes_;         ///< Of those.
+  std::map<std::size_t, std::vector<std::size_t>> of_body_;  ///< Entities of loose bodies.
+  std::map<std::uint32_t, std::size_t> of_instance_;         ///< Entities of fixed things.
+  /// Things whose pieces may leave, by instance.
+  std::map<std::uint32_t, sim::SceneContents::Thing> fixed_;
+  std::map<std::uint32_t, sim::SceneContents::Mesh> meshes_;  ///< Meshes of the things in fixed_.
   std::map<std::uint32_t, std::vector<sim::ScenePiece>> taken_out_;  ///< By instance.
   std::map<std::string, std::size_t> pieces_;                        ///< Entities of pieces.
 };

@@ -35,7 +35,7 @@ constexpr int kLastGps = 32;
 /// Pages that have a hundred satellites of one system are none of one epoch.
 constexpr std::size_t kMostInView = 100;
 
-/// The same, as older receivers call it.
+/// Talker of BeiDou in older receivers.
 constexpr std::string_view kOldBeidou = "BD";
 
 const SystemRow* row_of(std::string_view talker) {

@@ -27,7 +27,7 @@ Json time_of(std::uint64_t ns) {
   return {{"sec", ns / 1'000'000'000}, {"nsec", ns % 1'000'000'000}};
 }
 
-/// Of those that a client offers, as its header has them.
+/// Returns the first known subprotocol among those in a client's header; empty: none.
 std::string chosen_subprotocol(std::string_view offered) {
   for (const std::string_view known : foxglove::kSubprotocols) {
     for (std::size_t from = 0; from < offered.size();) {
@@ -507,10 +507,11 @@ class Viewers::Viewer : public std::enable_shared_from_this<Viewer> {
   std::map<std::uint32_t, Subscription> subscriptions_;
   std::deque<drivers::WebSocketMessage> answers_;
   std::deque<std::pair<std::uint32_t, std::string>> asset_requests_;
-  std::map<std::string, std::string> followed_;  ///< Parameters, and the value last told.
+  /// Subscribed parameters, and the value last sent.
+  std::map<std::string, std::string> followed_;
   std::shared_ptr<const std::string> time_;
-  std::deque<Waiting> waiting_;  ///< Of channels.
-  std::size_t bytes_ = 0;        ///< In them.
+  std::deque<Waiting> waiting_;  ///< Waiting messages of channels.
+  std::size_t bytes_ = 0;        ///< Their size.
   std::uint64_t dropped_ = 0;
   std::uint64_t told_dropped_ = 0;
 };

@@ -88,27 +88,27 @@ class Viewers {
 
   ChannelId add(StreamChannel channel);
   void add(StreamService service);
-  /// Where viewers get what messages name by "rigwire:...". Null: there is no such thing.
+  /// Returns what messages refer to by "rigwire:..."; null: there is no such thing.
   using Assets = std::function<std::shared_ptr<const std::string>(std::string_view uri)>;
   void on_asset(Assets assets) { assets_ = std::move(assets); }
   void offer(StreamParameters parameters) { parameters_ = std::move(parameters); }
-  /// Of a viewer's transport bar; `done` is called once, now or later, with why not all of it is
-  /// done, empty when it is.
+  /// Handles the controls of a viewer's transport bar; `done` is called once, now or later, with
+  /// the reason why not all of it is done, empty when it is.
   using Playback = std::function<void(const protocols::foxglove::PlaybackControl& control,
                                       std::function<void(const std::string& why)> done)>;
   void on_playback(Playback playback) { playback_ = std::move(playback); }
-  /// From when to when the transport bar goes.
+  /// Sets the range of the transport bar.
   void set_range(std::uint64_t begin_ns, std::uint64_t end_ns) { range_ = {begin_ns, end_ns}; }
 
   // Then.
 
-  /// How a request for a WebSocket is answered.
+  /// Answers a request for a WebSocket.
   [[nodiscard]] drivers::WebSocketAnswer admit(const drivers::HttpRequest& request);
-  /// Whether anybody has subscribed. From any thread.
+  /// Returns whether the channel has a subscriber. May be called from any thread.
   [[nodiscard]] bool wanted(ChannelId channel) const {
     return channels_[channel].subscribers.load(std::memory_order_relaxed) != 0;
   }
-  /// The same of any channel.
+  /// Returns whether any channel has a subscriber. May be called from any thread.
   [[nodiscard]] bool anything_wanted() const {
     return std::ranges::any_of(channels_, [](const Channel& channel) {
       return channel.subscribers.load(std::memory_order_relaxed) != 0;
@@ -126,8 +126,8 @@ class Viewers {
 
   struct Figures {
     std::size_t viewers = 0;
-    std::uint64_t sent = 0;     ///< Messages of channels that left.
-    std::uint64_t dropped = 0;  ///< That were too slow to be taken.
+    std::uint64_t sent = 0;     ///< Messages of channels that were sent.
+    std::uint64_t dropped = 0;  ///< Messages that were dropped because a viewer was too slow.
   };
   [[nodiscard]] Figures figures() const;
 

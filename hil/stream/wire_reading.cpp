@@ -96,7 +96,7 @@ std::string text_of(const Value& value) {
   }
 }
 
-/// Of a payload, or of a part of it that begins at byte `from` of the frame.
+/// Appends the fields of a payload, or of a part of it that begins at byte `from` of the frame.
 template <class Message>
 void append_fields(WireReading& reading, Bytes part, std::size_t from,
                    const std::string& before = {}) {
@@ -174,7 +174,7 @@ struct BitRow {
   std::string_view unit{};
 };
 
-/// Of the bits from `from` on, as far as there are such.
+/// Appends the fields that `rows` lay out from the bit `from` on, as far as `bytes` has them.
 void append_rows(WireReading& reading, Bytes bytes, std::size_t from,
                  std::span<const BitRow> rows) {
   protocols::BitReader reader(bytes.subspan(from / 8));

@@ -93,18 +93,19 @@ class WorldCamera final : public WorldSensor {
     CameraJob job;
     std::uint64_t number = 0;
     bool over = false;
-    bool no_room = false;  ///< In the memory; is told as skipped.
+    bool no_room = false;  ///< Its memory is full; reported as skipped.
     bool exposure_free = false;
     bool gain_free = false;
-    sim::AutoExposure::Choice fixed;  ///< Of what is not free.
+    sim::AutoExposure::Choice fixed;  ///< Fixed exposure or gain of those that are not automatic.
   };
   /// A picture on its way.
   struct Pending {
     SimTime start{};
     SimTime due{};
-    std::uint64_t number = 0;  ///< Of the exposure.
+    std::uint64_t number = 0;  ///< Number of the exposure.
     bool with_truth = false;
-    std::optional<CameraWorker::Number> job;  ///< Nothing: not even tried, or taken.
+    /// Its job; empty: not tried, or already taken.
+    std::optional<CameraWorker::Number> job;
     CameraWorker::Made made;
     // What automatic exposure needs of it, in the order of exposures.
     bool exposure_free = false;
@@ -351,7 +352,7 @@ class WorldCamera final : public WorldSensor {
   StationIndex station_;
   WorldCameraSettings settings_;
   PlannedInstants instants_;
-  Duration period_ = Duration::max();  ///< Of the plan.
+  Duration period_ = Duration::max();  ///< Period of the plan.
   CameraCommand command_;
   std::deque<SimTime> triggered_;  ///< By software, to come.
   SimTime ready_{};                ///< For the next exposure by software.

@@ -36,16 +36,17 @@
 
 namespace rigwire::hil {
 
-/// Of one camera: half a minute of 640 x 480 grey pixels at 30 Hz.
+/// Picture memory of one camera: half a minute of 640 x 480 grey pixels at 30 Hz.
 constexpr std::size_t kPictureMemory_bytes = std::size_t{256} << 20U;
 
 struct WorldCameraSettings {
-  std::string name;  ///< Of the device in the rig.
+  std::string name;  ///< Name of the device in the rig.
   SensorMount mount;
-  bool sees_own_link = false;  ///< The body that it is mounted on.
-  Duration processing{0};      ///< From the end of the exposure to when the picture is handed over.
-  /// Of pictures that are not handed over yet; a single one has room in any. What is true behind
-  /// them comes on top, with 12 bytes for each pixel of those that a truth observer wants.
+  bool sees_own_link = false;  ///< Sees the body that it is mounted on.
+  /// Time from the end of the exposure until the picture is handed over.
+  Duration processing{0};
+  /// Memory for pictures that are not handed over yet; a single picture always fits. Their truth
+  /// needs 12 bytes more for each pixel of the pictures that a truth observer wants.
   std::size_t memory_bytes = kPictureMemory_bytes;
   sim::AutoExposureParameters auto_exposure;
 };

@@ -323,12 +323,12 @@ class CameraPreviews final : public WorldSensor {
   const std::uint64_t seed_;
   const PreviewViewers viewers_;
 
-  // Of the truth's thread.
+  // Used on the truth's thread.
   std::vector<Watched> watched_;
   std::size_t turn_ = 0;
   DugNodes dug_;
 
-  // Of the previews' thread.
+  // Used on the previews' thread.
   std::unique_ptr<sim::Scene> scene_;
   sim::Scene::InstanceId terrain_;
   std::shared_ptr<CameraSurroundings> surroundings_;

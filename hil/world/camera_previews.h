@@ -32,27 +32,27 @@
 namespace rigwire::hil {
 
 inline constexpr int kPreviewWidth_px = 320;
-/// From the beginning of a camera's preview to that of its next one, at least.
+/// Minimum time between the starts of two previews of a camera.
 inline constexpr std::chrono::milliseconds kPreviewPeriod{500};
 
 struct PreviewedCamera {
-  std::string name;          ///< Of the device in the rig.
+  std::string name;          ///< Name of the device in the rig.
   StationIndex station = 0;  ///< Where the device asks for exposures.
   SensorMount mount;
-  bool sees_own_link = false;  ///< The body that it is mounted on.
+  bool sees_own_link = false;  ///< Sees the body that it is mounted on.
   sim::CameraKind kind;
   CameraCommand command;  ///< At power-on: exposure, gain and black level.
 };
 
 struct CameraPreview {
   std::size_t camera = 0;  ///< Place in the list of cameras.
-  SimTime time{};          ///< Of the exposure.
+  SimTime time{};          ///< Time of the exposure.
   Image picture;           ///< One or three channels of 8 bits, in colours of a screen.
 };
 
-/// Who watches. All must live as long as the previews.
+/// Callbacks to the viewers. All must live as long as the previews.
 struct PreviewViewers {
-  /// Whether somebody watches that camera; called on the thread of the truth.
+  /// Returns whether that camera has a viewer; called on the truth's thread.
   std::function<bool(std::size_t camera)> wanted;
   /// Called on the thread of the previews.
   std::function<void(CameraPreview preview)> show;

@@ -21,13 +21,14 @@ class CameraSurroundings {
                      const sim::DaylightParameters& sky, const sim::WeatherParameters& air,
                      std::shared_ptr<const sim::AirFaults> faults = nullptr);
 
-  /// Sun and sky at that time. The sun's place is that of every tenth second.
+  /// Returns sun and sky at that time. The position of the sun is updated every ten seconds.
   [[nodiscard]] sim::Daylight light_at(SimTime time) const;
   [[nodiscard]] sim::CameraAir air_at(SimTime time, const sim::DustCloud* dust) const;
-  /// Of the scene as it stands at first; made by the first who asks, from any thread.
+  /// Returns the sky visibility of the scene at its start; computed by the first caller. May be
+  /// called from any thread.
   [[nodiscard]] std::shared_ptr<const sim::SkyVisibility> sky(const sim::Scene& scene);
 
-  /// When light_at() changes next.
+  /// Returns when light_at() changes next.
   [[nodiscard]] static SimTime light_changes(SimTime after);
 
  private:

@@ -34,15 +34,15 @@
 namespace rigwire::hil {
 
 struct CameraJob {
-  /// But for light, air, sky and wetness, which are the worker's. Nothing: no picture, only what
-  /// can be made ready beforehand.
+  /// The shot but for light, air, sky and wetness, which the worker adds. Empty: no picture, only
+  /// preparation.
   std::optional<sim::CameraShot> shot;
-  SimTime begin{};  ///< Of the twin's slice, which spans the exposure.
+  SimTime begin{};  ///< Start of the twin's slice, which spans the exposure.
   SimTime end{};
   SimTime due{};  ///< When the picture is wanted.
   sim::ScenePlacement placement;
   std::vector<sim::BodyMotion> bodies;
-  std::optional<DugGround> dug;  ///< Since the job before.
+  std::optional<DugGround> dug;  ///< Ground dug since the job before.
   std::optional<sim::DustCloud> dust;
   bool with_truth = false;  ///< What is true behind the picture is wanted, too.
 };
@@ -50,9 +50,9 @@ struct CameraJob {
 class CameraWorker {
  public:
   using MakeSensor = std::function<std::unique_ptr<sim::CameraSensor>()>;
-  using Number = std::uint64_t;  ///< Of a job, from 0.
+  using Number = std::uint64_t;  ///< Number of a job, from 0.
   struct Made {
-    sim::CameraSensor::Taken taken;  ///< A null picture: it was passed over, or failed.
+    sim::CameraSensor::Taken taken;  ///< Null picture: it was skipped, or failed.
     sim::CameraTruth truth;          ///< Empty unless the job wanted it.
   };
 
@@ -66,16 +66,16 @@ class CameraWorker {
 
   /// Never waits.
   Number submit(CameraJob job);
-  /// How far simulated time has come. `paced`: jobs that cannot be done in time are passed over; by
-  /// what the last one took, and only when another one has kept the worker.
+  /// Sets how far simulated time has come. `paced`: skips jobs that cannot be done in time, judged
+  /// by the duration of the last one, and only when another job has kept the worker busy.
   void reach(SimTime now, bool paced);
-  /// What has been made of it. Nothing: not yet. Once for each job.
+  /// Returns the result of a job; nullopt: not yet. To be called once for each job.
   [[nodiscard]] std::optional<Made> take(Number job);
-  /// The same, waiting for it.
+  /// Waits for the result of a job and returns it.
   [[nodiscard]] Made wait(Number job);
-  /// Whether the worker has come to it.
+  /// Returns whether the worker has begun the job.
   [[nodiscard]] bool begun(Number job) const;
-  /// Nobody wants it any more; take() of it is not called again.
+  /// Discards a job; take() must not be called for it again.
   void forget(Number job);
   /// What a job failed by, the first one.
   [[nodiscard]] std::optional<std::string> fault() const;
@@ -101,7 +101,7 @@ class CameraWorker {
   std::shared_ptr<CameraSurroundings> surroundings_;
   std::unique_ptr<sim::CameraSensor> sensor_;
 
-  // Of the worker's thread.
+  // Used on the worker's thread.
   std::optional<sim::Daylight> light_;
   SimTime light_until_{};
   std::shared_ptr<const sim::SkyVisibility> sky_;
@@ -112,12 +112,12 @@ class CameraWorker {
   std::condition_variable work_;
   std::condition_variable done_;
   std::deque<std::unique_ptr<Entry>> entries_;
-  Number first_ = 0;  ///< Of entries_.
-  Number next_ = 0;   ///< To be done.
+  Number first_ = 0;  ///< Number of the first job in entries_.
+  Number next_ = 0;   ///< Number of the next job to do.
   bool busy_ = false;
   bool paced_ = false;
   SimTime now_{};
-  Duration last_cost_{0};  ///< Of a picture, in simulated time.
+  Duration last_cost_{0};  ///< Simulated time that the last picture took.
   std::optional<std::string> fault_;
   bool stopping_ = false;
   std::thread thread_;

@@ -22,7 +22,7 @@ namespace rigwire::hil {
                                                            const sim::LocalFrame& frame,
                                                            sim::GnssSensor sensor);
 
-/// The same of an antenna that stands on the ground, at that place.
+/// Makes the sensor of an antenna that stands on the ground at the point `p_W`.
 [[nodiscard]] std::unique_ptr<WorldSensor> make_world_gnss(StationIndex station,
                                                            std::string_view name,
                                                            const Eigen::Vector3d& p_W,

@@ -38,16 +38,16 @@ class HandSettings {
   struct Row {
     std::string name;
     Kind kind = Kind::opening;
-    std::size_t actuator = 0;  ///< Of an opening.
-    double value = 0.0;        ///< As the port takes it; of what is on or off 0 or 1.
+    std::size_t actuator = 0;  ///< Index of the actuator of an opening.
+    double value = 0.0;        ///< Value that the port takes; 0 or 1 for a switch.
   };
 
-  /// Of what the machine has.
+  /// Lists the set points that the machine has.
   explicit HandSettings(sim::Machine& machine);
 
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
   [[nodiscard]] std::vector<std::string> names() const;
-  /// Null: there is none of that name.
+  /// Returns the row of that name; null: there is none.
   [[nodiscard]] const Row* find(std::string_view name) const;
 
   friend void visit(fields::Visitor& v, HandSettings& p);
@@ -62,20 +62,21 @@ class Hand {
   /// The machine must outlive it.
   explicit Hand(sim::Machine& machine);
 
-  /// What can be set, each with its value at rest.
+  /// Returns what can be set, each with its value at rest.
   [[nodiscard]] const HandSettings& settings() const { return settings_; }
 
-  /// What is asked of the truth: `value` nothing: it is released. Rows are those of settings().
+  /// Request to the truth; an empty `value` releases the set point. Rows are those of settings().
   struct Order {
     HandSettings::Row row;
     std::optional<double> value;
   };
 
-  /// Before the devices' commands of a slice are taken.
+  /// Restores the devices' valve commands; to be called before those of a slice are taken.
   void lift();
-  /// Behind them: `requests` has what they are, and the orders.
+  /// Takes the orders and applies the overrides; to be called after the devices' commands, which
+  /// `requests` has, are taken.
   void lay(SimTime frontier, const Shelves& requests);
-  /// Of the set points that it holds at present; the names hold as long as the hand.
+  /// Returns the set points that are overridden at present; the names live as long as this object.
   [[nodiscard]] const std::vector<std::string_view>& held() const { return held_; }
 
  private:
@@ -86,11 +87,12 @@ class Hand {
 
   sim::Machine& machine_;
   HandSettings settings_;
-  std::map<std::string, double> values_;  ///< Of what is held.
+  std::map<std::string, double> values_;  ///< Values of the overridden set points.
   std::vector<std::string_view> held_;
-  std::optional<ValveCommand> valves_;  ///< The client's, while the hand holds an actuator.
-  VehicleCommand vehicle_;              ///< The client's.
-  PowerUnitCommand power_unit_;         ///< Likewise.
+  /// Command of the devices while an actuator is overridden.
+  std::optional<ValveCommand> valves_;
+  VehicleCommand vehicle_;       ///< Last command of the devices.
+  PowerUnitCommand power_unit_;  ///< Last command of the devices.
 };
 
 }  // namespace rigwire::hil

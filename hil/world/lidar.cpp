@@ -76,7 +76,7 @@ class WorldLidar final : public WorldSensor {
   SensorMount mount_;
   std::unique_ptr<sim::LidarSensor> sensor_;
   LidarPattern pattern_;
-  std::vector<sim::LidarBankTruth> truth_;  ///< Of one slice.
+  std::vector<sim::LidarBankTruth> truth_;  ///< Shots of one slice.
 };
 
 }  // namespace

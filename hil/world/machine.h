@@ -22,11 +22,11 @@ class Machine;
 
 namespace rigwire::hil {
 
-/// Where a machine is put. Ground and obstacles must outlive it; it may dig in the ground.
+/// Where a machine is placed. Ground and obstacles must outlive it; it may dig in the ground.
 struct MachineSite {
   sim::Ground& ground;
   const sim::FallObstacle& obstacles;
-  Eigen::Isometry3d X_WB;  ///< Of the first link; a machine on wheels settles from there.
+  Eigen::Isometry3d X_WB;  ///< Pose of the first link; a machine on wheels settles from there.
 };
 
 /// A topology with its numbers.
@@ -76,10 +76,10 @@ struct MachineConfiguration {
   std::string text;  ///< One line for `rigwire list machines`.
   fields::Chosen<MachineModel> model{machine_types()};
   Vector3 position_m;     ///< [east, north, up] of the origin of its first link.
-  double yaw_rad = 0.0;   ///< Of its x from east, left positive.
+  double yaw_rad = 0.0;   ///< Angle of its x axis from east, left positive.
   bool on_ground = true;  ///< position z counts from the terrain under it.
   std::vector<LinkShape> shapes;
-  MotionSettings motion;  ///< Of a machine that moves as it did once.
+  MotionSettings motion;  ///< Recorded motion that the machine replays.
 };
 void visit(fields::Visitor& v, MachineConfiguration& p);
 

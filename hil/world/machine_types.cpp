@@ -23,7 +23,7 @@ constexpr std::array kTypes{
     MachineType{{"tandem_roller", "Two drums, each on a pivot that steers."}, fresh<RollerMachine>},
 };
 
-/// Of x from east, left positive.
+/// Returns the angle of the pose's x axis from east, left positive, rad.
 double yaw_rad(const Eigen::Isometry3d& X) {
   return std::atan2(X.linear()(1, 0), X.linear()(0, 0));
 }

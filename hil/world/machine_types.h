@@ -43,7 +43,8 @@ struct ExcavatorMachine final : MachineModelOf<ExcavatorMachine> {
   [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
 };
 
-/// Of machines with a drive train and nothing that digs; all links but the first stand.
+/// Model of a machine with a drive train that does not dig; all links but the first stand on the
+/// ground.
 template <class Type>
 class DrivingMachineOf : public MachineModelOf<Type> {
  public:

@@ -32,35 +32,37 @@ enum class PictureLayer : std::uint8_t {
   disparity,
   range,
   confidence,
-  depth,   ///< True, along the optical axis.
-  labels,  ///< True.
+  depth,   ///< True depth along the optical axis.
+  labels,  ///< True labels.
 };
 
-/// As the command line and documents name them, in the order of the enumeration.
+/// Names in the command line and the documents, in the order of the enumeration.
 inline constexpr std::array<std::string_view, 7> kPictureLayers{
     "image", "right", "disparity", "range", "confidence", "depth", "labels"};
 
-/// A picture with what is true behind its first part.
+/// A picture with the truth of its first part.
 struct KeptPicture {
   std::shared_ptr<const Picture> picture;
   sim::CameraTruth truth;
   std::vector<std::string> labels;  ///< By instance, as far as truth.instance has them.
-  std::optional<sim::ReportedGeometry> geometry;  ///< Of a camera with a third coordinate.
+  /// Geometry that a camera with a third coordinate reports.
+  std::optional<sim::ReportedGeometry> geometry;
 };
 
-/// Which layers it has, by name.
+/// Returns the names of the layers that the picture has.
 [[nodiscard]] std::vector<std::string> layers_of(const KeptPicture& kept);
 
-/// Throws std::invalid_argument naming the layer and those that there are.
+/// Throws std::invalid_argument naming the layer and the existing ones.
 [[nodiscard]] Image layer_image(const KeptPicture& kept, PictureLayer layer, bool raw);
 
-/// A label that is seen in a picture.
+/// A label that occurs in a picture.
 struct LabelShare {
   std::string label;
-  std::array<std::uint8_t, 3> colour{};  ///< The same for a label in every picture.
+  std::array<std::uint8_t, 3> colour{};  ///< Colour of the label, equal in every picture.
   std::size_t pixels = 0;
 };
-/// By name. Its place, counted from 1, is its number in the raw layer.
+/// Returns the labels sorted by name. A label's position, counted from 1, is its number in the raw
+/// layer.
 [[nodiscard]] std::vector<LabelShare> label_shares(const KeptPicture& kept);
 
 /// False colour of a distance: from red at 1 m by yellow, green and cyan to blue at 100 m, evenly

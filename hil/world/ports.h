@@ -16,8 +16,8 @@
 
 namespace rigwire::hil {
 
-/// Which of the machine's actuators each section of a device's valve block moves. Devices count
-/// sections from 0 in the order of their key `sections`; the machine counts its actuators.
+/// Maps each section of a device's valve block to the machine's actuator that it moves. Devices
+/// count sections from 0 in the order of their key `sections`; the machine counts its actuators.
 class ValveSections {
  public:
   /// The section of each name moves the actuator of that name. Throws std::invalid_argument for a

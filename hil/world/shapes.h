@@ -45,11 +45,12 @@ using Shape = std::variant<BoxShape, MeshShape>;
 /// A shape with its pose in some frame and what its surface is.
 struct PlacedShape {
   Shape shape;
-  Vector3 position_m;  ///< Of the shape's origin.
+  Vector3 position_m;  ///< Position of the shape's origin.
   RollPitchYaw rotation;
-  double reflectance = 0.3;  ///< Diffuse, at the lidar's wavelength (905 nm).
+  double reflectance = 0.3;  ///< Diffuse reflectance at the lidar's wavelength (905 nm).
   std::string label = "object";
-  double retro_gain = 0.0;  ///< Of a retro-reflector, 1 is an ideal one (sim/scene/scene.h).
+  /// Gain of a retro-reflector; 1 is an ideal one (sim/scene/scene.h).
+  double retro_gain = 0.0;
 };
 void visit(fields::Visitor& v, PlacedShape& p);
 

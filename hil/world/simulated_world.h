@@ -36,14 +36,15 @@ struct MachineInScene {
 
   std::unique_ptr<sim::Scene> scene;
   sim::Scene::InstanceId terrain = 0;
-  std::unique_ptr<sim::Ground> ground;           ///< Outlives the machine.
-  std::unique_ptr<sim::FallObstacle> obstacles;  ///< What soil may fall on; outlives the machine.
+  std::unique_ptr<sim::Ground> ground;  ///< Outlives the machine.
+  /// Obstacles to falling soil; outlives the machine.
+  std::unique_ptr<sim::FallObstacle> obstacles;
   std::unique_ptr<sim::Machine> machine;
-  std::vector<sim::ObstacleLook> looks;  ///< Of the ground's obstacles that may give way.
+  std::vector<sim::ObstacleLook> looks;  ///< Looks of the ground's obstacles that may give way.
 };
 
 struct WorldSettings {
-  Duration step = std::chrono::milliseconds{1};   ///< Of the physics.
+  Duration step = std::chrono::milliseconds{1};   ///< Step of the physics.
   Duration slice = std::chrono::milliseconds{2};  ///< A whole multiple of `step`.
   double gravity_mps2 = 9.80665;                  ///< Along world -z, for the inertial units.
 };
@@ -68,7 +69,7 @@ class SimulatedWorld final : public TruthSource {
   void set_camera_truth_observer(std::unique_ptr<CameraTruthObserver> observer);
 
   [[nodiscard]] const sim::Scene& scene() const { return *content_.scene; }
-  /// That the machine digs in, if it does.
+  /// Returns the terrain, in which the machine may dig.
   [[nodiscard]] sim::Scene::InstanceId terrain() const { return content_.terrain; }
   /// For sensors that stand at its ports; lives as long as the world, also when that is moved.
   [[nodiscard]] sim::Machine& machine() { return *content_.machine; }
@@ -115,7 +116,8 @@ class SimulatedWorld final : public TruthSource {
   std::vector<sim::LinkMotion> before_;       ///< At the start of the step.
   std::vector<sim::LinkMotion> after_;        ///< At the end of the step.
   std::vector<sim::BodyMotion> bodies_;
-  std::vector<double> shown_rad_;  ///< Of the machine's leaning obstacles, as the scene has them.
+  /// Angles of the machine's leaning obstacles in the scene.
+  std::vector<double> shown_rad_;
   std::vector<StateQuantity> state_quantities_;
   std::vector<double> state_;  ///< For fill_truth(), in the order of the quantities.
   TruthStages stages_;

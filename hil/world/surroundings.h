@@ -38,16 +38,16 @@ inline void visit(fields::Visitor& v, SurroundingsConfiguration& p) {
   v.section("pumps", p.pumps, "The machine's pumps.");
 }
 
-/// What a rig's list of faults calls them, and where their own lists stand.
+/// Names of the surroundings in a rig's list of faults, and the keys of their own lists.
 struct SurroundingsTarget {
-  std::string_view name;  ///< As `on` has it.
-  std::string_view key;   ///< In SurroundingsConfiguration.
+  std::string_view name;  ///< Name for the key `on`.
+  std::string_view key;   ///< Key in SurroundingsConfiguration.
 };
 inline constexpr std::string_view kSurroundings = "surroundings";
 inline constexpr std::array<SurroundingsTarget, 3> kSurroundingsTargets{
     {{"air", "air"}, {"machine.engine", "engine"}, {"machine.pumps", "pumps"}}};
 
-/// Of nobody's device: what is told to the truth goes by it.
+/// Station without a device, which passes faults and orders to the truth.
 class SurroundingsStation final : public Station {
  public:
   SurroundingsStation();

@@ -1,6 +1,6 @@
-// Who is told what is true, beside the devices: the simulated world knows no file
-// (hil/record/truth_tap.h, hil/record/lidar_truth_tap.h and hil/record/camera_truth_tap.h write
-// them).
+// Observers of the ground truth, beside the devices. The simulated world knows no files;
+// hil/record/truth_tap.h, hil/record/lidar_truth_tap.h and hil/record/camera_truth_tap.h write
+// them.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,10 +34,12 @@ struct AntennaTruth {
 /// What solid things did to the machine in its last inner step, and since the start.
 struct ContactTruth {
   bool touching = false;
-  std::string_view body;  ///< Of the machine; empty while nothing pushes, as the next.
-  /// The obstacle's name in the scene, or "terrain"; all hold as long as the world.
+  std::string_view body;  ///< Link of the machine; empty without contact.
+  /// The obstacle's name in the scene, or "terrain"; empty without contact. Both names live as long
+  /// as the world.
   std::string_view with;
-  Eigen::Vector3d place_W = Eigen::Vector3d::Zero();  ///< Of the point that pushes most.
+  /// Position of the point with the largest force.
+  Eigen::Vector3d place_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_W = Eigen::Vector3d::Zero();  ///< Sum, on the machine.
   double deepest_m = 0.0;
   double dent_m = 0.0;
@@ -62,16 +64,17 @@ struct StateTruth {
 /// What is true of the machine at one instant.
 struct TruthRecord {
   SimTime time{};
-  std::vector<sim::LinkMotion> links;  ///< Of all links of the machine, the first carries it.
-  std::vector<double> machine;         ///< In the order of the machine's truth fields.
-  std::vector<StateTruth> state;       ///< In the order of state_quantities().
+  /// Motion of all links of the machine; the first carries it.
+  std::vector<sim::LinkMotion> links;
+  std::vector<double> machine;    ///< In the order of the machine's truth fields.
+  std::vector<StateTruth> state;  ///< In the order of state_quantities().
   /// What the transducers of the ports that the machine has read, without errors.
   std::optional<ValveSample> valves;
   std::optional<VehicleSample> vehicle;
   std::optional<PowerUnitSample> power_unit;
-  std::optional<ContactTruth> contact;  ///< Of machines that meet obstacles.
+  std::optional<ContactTruth> contact;  ///< For machines that can touch obstacles.
   std::vector<MovedBodyTruth> moved;
-  std::vector<std::string_view> hand;  ///< Set points that a hand holds (hil/world/hand.h).
+  std::vector<std::string_view> hand;  ///< Overridden set points (hil/world/hand.h).
   std::vector<AntennaTruth> antennas;  ///< In the order in which their sensors were added.
 };
 
@@ -94,7 +97,7 @@ class LidarTruthObserver {
 
 /// A picture that was handed to its camera, with what is true behind it.
 struct CameraTruthRecord {
-  std::uint64_t exposure = 0;  ///< Of the camera, counted from 0; skipped ones count.
+  std::uint64_t exposure = 0;  ///< Number of the camera's exposure, from 0; skipped ones count.
   std::shared_ptr<const Picture> picture;
   sim::CameraTruth truth;  ///< Behind the picture's first part.
 };

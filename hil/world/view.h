@@ -15,11 +15,12 @@
 
 namespace rigwire::hil {
 
-/// The air, as it dims what is far away.
+/// Air that dims distant objects.
 struct AirView {
   double rain_mmph = 0.0;
   double snow_mmph = 0.0;
-  double extinction_pm = 0.0;  ///< Of all but dust, where fog is densest, as a lidar meets it.
+  /// Extinction of all but dust at the lidar's wavelength, where fog is densest, 1/m.
+  double extinction_pm = 0.0;
   struct Puff {
     Eigen::Vector3d centre_W = Eigen::Vector3d::Zero();
     double sigma_m = 0.0;
@@ -36,10 +37,10 @@ struct ViewChange {
   SimTime time{};
   std::optional<DugGround> dug;
   struct Body {
-    std::size_t body = 0;  ///< Of the scene.
+    std::size_t body = 0;  ///< Index of the body in the scene.
     Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
   };
-  std::vector<Body> moved;  ///< Loose bodies that are elsewhere than at the change before.
+  std::vector<Body> moved;  ///< Loose bodies that have moved since the change before.
   /// All that has left its place, when any of it has moved.
   std::vector<sim::DisplacedThing> displaced;
   std::optional<AirView> air;

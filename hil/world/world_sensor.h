@@ -35,9 +35,9 @@ class CameraTruthObserver;
 class LidarTruthObserver;
 struct TruthRecord;
 
-/// Where on the machine a sensor sits.
+/// Where a sensor is mounted on the machine.
 struct SensorMount {
-  std::size_t link = 0;                                    ///< Of the machine's links.
+  std::size_t link = 0;                                    ///< Index of the machine's link.
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();  ///< Pose of the sensor in its link.
 };
 
@@ -65,9 +65,9 @@ struct WorldSlice {
   LinkMotions links_at_t1;
   const sim::Scene& scene;                      ///< Ready for the rays of sensors that look at it.
   const sim::SceneWeather* weather = nullptr;   ///< Null: clear air.
-  LidarTruthObserver* lidar_truth = nullptr;    ///< Null: nobody asks.
-  CameraTruthObserver* camera_truth = nullptr;  ///< Likewise.
-  const sim::HeightField* ground = nullptr;     ///< As it is at t1; null: it never changes.
+  LidarTruthObserver* lidar_truth = nullptr;    ///< Null: no observer.
+  CameraTruthObserver* camera_truth = nullptr;  ///< Null: no observer.
+  const sim::HeightField* ground = nullptr;     ///< Ground at t1; null: it never changes.
   std::optional<sim::NodeRectangle> dug;        ///< Where it has changed in this slice.
   /// Time follows a clock: what is computed beside the run is not waited for.
   bool paced = false;

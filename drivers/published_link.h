@@ -7,8 +7,7 @@
 //   namespaces the owners live in, as long as they share the directory. The kernel gives the lock
 //   back however the process ends; a lock file that was left behind hinders nobody.
 // - look() puts back a link that was removed, or that names a terminal which has gone. What
-// somebody
-//   else has put in its place stays, and is told.
+//   another program has put in its place stays, and is reported.
 // - A folder that other users could change is refused, and so is a path below /dev, where devices
 //   are.
 // - May be used from two threads.

@@ -6,18 +6,17 @@
 // - A client begins without a bus. Everything but "open" with one of the bus's names is answered by
 //   an error and the end of the connection. Then it is in BCM mode; rawmode, bcmmode and
 //   controlmode change that, each ends what the mode before had set up.
-// - Raw mode: every data frame of others, those of other clients of the daemon too once they were
-// on
-//   the bus, never its own. Remote requests are not passed on, errors by `error_mask` only.
+// - Raw mode: every data frame of others, never the client's own. Frames of other clients of the
+//   daemon are passed on once they were on the bus, remote requests are not, errors by `error_mask`
+//   only.
 // - BCM mode: "add" sends at once and then every interval (at least kShortestInterval), "update"
 //   changes the data, "delete" ends it. "subscribe" passes an identifier on, "filter" and
 //   "muxfilter" only when the masked content differs from the one before; an interval is the least
 //   time between two, the newest content is passed on at its end. Own frames are passed on, too.
 // - Control mode: "statistics" reports bytes and frames of the interface every interval.
 // - What cannot be understood of a known command is not answered, an unknown one by an error.
-// - A client that sends faster than the bus takes has `waiting_frames` of queue; the daemon ends
-// the
-//   connection of a client in raw mode whose frame the interface refuses, and so does this.
+// - A client that sends faster than the bus takes has `waiting_frames` of queue. Like the daemon,
+//   the server ends the connection of a client in raw mode whose frame the interface refuses.
 // - Clients take one "< ok >" for one read (python-can), so that frames are held back after the one
 //   for rawmode: for kSettling, or until the client sends something, or until there are as many as
 //   a client reads at once.

@@ -4,14 +4,13 @@
 //   "connection refused" belongs to an earlier datagram, is noted for the status, and the datagram
 //   at hand is sent all the same.
 // - A full send buffer refuses the datagram (send() returns false); so does a route that is gone.
-// - The destination can change while the socket runs (retarget()); a source address and port that
-// were
-//   asked for stay.
+// - The destination can change while the socket runs (retarget()); a requested source address and
+//   port stay.
 // - What a slow reader loses in its own receive buffer is invisible here, as on a real network.
 // - client_present of a sender: something was sent, and the system has not reported a refusal
-// within
-//   the last second nor since the last datagram. Only local and reachable hosts refuse; a datagram
-//   into the void counts as listened to. Of a receiver: a datagram came within the last second.
+//   within the last second nor since the last datagram. Only local and reachable hosts refuse; a
+//   datagram without a receiver elsewhere counts as received. client_present of a receiver: a
+//   datagram came within the last second.
 #pragma once
 
 #include <array>

@@ -324,6 +324,7 @@ Value Parser::convert(const YAML::Node& node, const std::string& path, int depth
   Value value;
   value.where = at(node.Mark());
   value.folder = folder;
+  // An alias is converted as often as it is used, so that its size counts each time.
   if (++extent.nodes > extent.max_nodes || extent.bytes > extent.max_bytes ||
       depth > kMaximumDepth) {
     if (!extent.too_big) {
@@ -501,6 +502,7 @@ void Parser::include(Value& map, const std::string& path) {
       continue;
     }
     try {
+      // Later files override earlier ones; the map that includes them overrides all.
       overlay(base, load_opened(*opened, problems, including, extent));
     } catch (const FileRefused& refused) {
       report(file->where, key, refused.path_and_reason(), refused.found(), refused.allowed());

@@ -5,9 +5,8 @@
 //
 //   machine:
 //     include: ../machines/excavator_ref18t.yaml   # or a list of files; relative to this file,
-//     else
-//                                                    # to a folder of configurations
-//     position: [0 m, 0 m, 0 m]                    # beats what the file says
+//                                                  # else to a folder of configurations
+//     position: [0 m, 0 m, 0 m]                    # overrides what the file says
 #pragma once
 
 #include <cstddef>

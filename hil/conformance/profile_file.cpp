@@ -215,6 +215,7 @@ conform::J1939Claims claims_of(const J1939Profile& p) {
   claims.address = p.address;
   claims.patience = in_milliseconds(p.patience);
   for (const std::string& text : p.periodic) {
+    // "61444 every 20 ms": the group's number (PGN) and its period.
     constexpr std::string_view kBetween = " every ";
     constexpr std::string_view kBehind = " ms";
     conform::PeriodicGroup group;

@@ -198,6 +198,8 @@ void StatusReporter::loop() {
   auto next = Clock::now() + period_;
   bool requested = false;
   while (!mailbox_->ended && !over_) {
+    // A picture is drawn when a status arrives, which is requested once each period, and when the
+    // window's size has changed; lines of the log are written at once.
     const bool resizable = style_ == StatusStyle::live && history_.size() > 1;
     const auto wake = resizable ? std::min(next, Clock::now() + kWindowPeriod) : next;
     mailbox_->arrived.wait_until(lock, wake, [this] {

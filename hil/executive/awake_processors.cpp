@@ -94,6 +94,7 @@ AwakeProcessors::AwakeProcessors() {
       if (!CPU_ISSET(processor, &own)) {
         continue;
       }
+      // A thread of idle priority (SCHED_IDLE, sched(7)) bound to this processor.
       threads_.emplace_back([this] { turn(ended_); });
       const pthread_t thread = threads_.back().native_handle();
       const sched_param none{};

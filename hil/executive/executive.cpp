@@ -517,6 +517,7 @@ RunOutcome Executive::run_free(SimTime end, const ClientPatience& clients) {
       io_.run_one();
       continue;
     }
+    // In a replay of a paced run, requests are collected and handed over as recorded.
     while (late_ && now_ >= late_->next_asked()) {
       requests.clear();
       collect_requests(requests);
@@ -535,6 +536,7 @@ RunOutcome Executive::run_free(SimTime end, const ClientPatience& clients) {
       }
       route(batch);
     }
+    // Run the devices as far as samples are known, then send what is due.
     run_events(std::min({frontier_, end, late_ ? late_->next_asked() : kNever}));
     transmit_due(now_);
     serve(kServedFree);

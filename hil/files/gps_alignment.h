@@ -5,8 +5,7 @@
 //   log or capture of a receiver     RMC and ZDA that are valid, UBX NAV-PVT and NAV-TIMEUTC with a
 //     (serial or UDP)                known date
 //   capture of a Velodyne            the position packets' microseconds past the hour, with the
-//   hour
-//                                    of the valid GPRMC in them
+//                                    hour of the valid GPRMC in them
 //   candump log, capture of CAN      its own stamps, where they count from 1970
 //
 // The time is UTC. What tells it was written a little later than the instant that it tells; of all

@@ -168,6 +168,7 @@ std::vector<std::uint8_t> encode_png(const Image& image) {
   std::vector<std::uint8_t> pixels(row_bytes * image.rows);
   for (std::size_t i = 0; i < image.samples.size(); ++i) {
     if (image.bits == 16) {
+      // PNG stores 16-bit samples most significant byte first.
       pixels[2 * i] = static_cast<std::uint8_t>(image.samples[i] >> 8U);
       pixels[2 * i + 1] = static_cast<std::uint8_t>(image.samples[i] & 0xFFU);
     } else {

@@ -534,6 +534,7 @@ LoadedModel load_model(const std::filesystem::path& file, const std::string& nam
   for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
     sim::TriangleMesh part;
     part.name = name;
+    // One part for each material: all triangles of the scene that have it.
     part.material = scene.mMaterials[i]->GetName().C_Str();
     for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
       const aiMesh& mesh = *scene.mMeshes[m];

@@ -123,6 +123,8 @@ std::unique_ptr<sim::MotionTrack> MotionContents::track(std::size_t link) const 
   std::vector<Eigen::Isometry3d> poses;
   std::vector<sim::LinkMotion> motions;
   for (const auto& [time_ns, instant] : instants) {
+    // Where any pose has recorded rates, only poses with rates are used; else the track derives
+    // velocities and accelerations from the poses (sim/replay/motion_track.h).
     if (!instant.X_WL || (with_rates && !instant.rates)) {
       continue;
     }

@@ -76,6 +76,7 @@ bool ReplaySource::next_of_piece(Duration& at) {
       first_ = false;
     }
     if (now_ns < last_ns_) {
+      // An instant up to 1 s before the last one is replaced by the last one.
       if (last_ns_ - now_ns > kSecond_ns) {
         refuse_replayed(settings_.file,
                         fmt::format("time goes back by {:.6f} s, {:.6f} s behind its start",
@@ -93,6 +94,7 @@ bool ReplaySource::next_of_piece(Duration& at) {
     if (in_file_ns < settings_.start.count()) {
       continue;
     }
+    // A gap of more than 1 s is shortened to 1 s.
     if (settings_.gaps == ReplayedGaps::cut && gap_ns > kSecond_ns) {
       cut_ns_ += gap_ns - kSecond_ns;
     }

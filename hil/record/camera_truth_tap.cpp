@@ -118,6 +118,7 @@ void CameraTruthTap::write_tables(const sim::Scene& scene) {
   label_of_.reserve(scene.instance_count());
   for (sim::Scene::InstanceId id = 0; id < scene.instance_count(); ++id) {
     const std::string& label = scene.label(id);
+    // Labels are numbered from 1 in alphabetical order; 0 is no label.
     const auto place = std::distance(labels.begin(), labels.find(label));
     label_of_.push_back(static_cast<std::uint16_t>(place + 1));
     tables["instances"].push_back({{"name", scene.name(id)}, {"label", label}});

@@ -4,13 +4,11 @@
 //   CAMERA.jsonl                    a line for each picture, in the order of its exposures
 //   CAMERA_000012_image.png         its parts as the camera was handed them: image, right,
 //                                   disparity, range, confidence (hil/world/picture_layers.h, raw)
-//   CAMERA_000012_depth.png         true distance along the optical axis, mm in 16 bits; 0:
-//   nothing,
-//                                   65535: farther
+//   CAMERA_000012_depth.png         true distance along the optical axis, mm in 16 bits;
+//                                   0: nothing, 65535: farther
 //   CAMERA_000012_labels.png        16 bits: place in the table `labels`; 0: nothing
 //   CAMERA_000012_instances.png     place in the table `instances`, red + 256 green + 65536 blue,
-//   as
-//                                   panoptic segmentations of COCO have it; 0: nothing
+//                                   as panoptic segmentations of COCO have it; 0: nothing
 //
 // What is true is that of each pixel of the picture's first part, at the middle of that pixel's
 // exposure. 12 is the number of the exposure, counted from 0 for each camera; those that were

@@ -194,6 +194,8 @@ void Recorder::Wire::lay_out(SimTime at, std::uint8_t flags, const StreamPiece& 
   const auto use = [&](Side side, std::span<const std::uint8_t> segment) {
     write(side == Side::client ? kInbound : 0, at, segment);
   };
+  // The pieces become segments of a TCP connection (pcapng::TcpConversation): a handshake when it
+  // opens, or with its first bytes if it was open before; a FIN of each side when it ends.
   auto found = conversations_.find(piece.connection);
   if (found == conversations_.end()) {
     if (piece.what != StreamPiece::What::opened && piece.what != StreamPiece::What::bytes) {

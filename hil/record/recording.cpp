@@ -440,6 +440,8 @@ void cut_recording(const fs::path& folder, SimTime from, SimTime to, const fs::p
                     {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}});
     }
   });
+  // Commands, hand-overs and changes of clients are copied from the run's start on: they decide
+  // the state at `from`, and a replay repeats them.
   const auto copy = [&](std::uint16_t track, std::uint8_t flags,
                         const std::vector<RecordedAct>& acts) {
     for (const RecordedAct& act : acts) {

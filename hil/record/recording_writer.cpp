@@ -267,6 +267,7 @@ void RecordingWriter::write_packet(Wire& wire, const RecordEntry& entry) {
   }
   const std::uint64_t not_there = std::exchange(wire.not_there, 0);
   const auto put = [&](BlockFile& file, std::uint32_t interface) {
+    // Packets that this file has lost since its last one, because the disk did not take them.
     const std::uint64_t lost = file.take_lost(wire.index);
     if (&file == wire.packets.get()) {
       totals_.wires[wire.index].lost += lost;

@@ -14,8 +14,8 @@
 //   FOLDER/wires/NAME.bytes    what a device sent on a serial line
 //   FOLDER/wires/NAME.client   what it was sent
 //   FOLDER/wires/NAME.index    when: a line for each piece, "SECONDS > OFFSET LENGTH" of the
-//   device,
-//                              "SECONDS < OFFSET LENGTH" of its client; lines with # are comments
+//                              device, "SECONDS < OFFSET LENGTH" of its client; lines with # are
+//                              comments
 //   FOLDER/wires/NAME.ends     of a serial line or a CAN bus, what its client did with its end:
 //                              "SECONDS open 9600" (bit/s; on a bus also listen_only, one_shot),
 //                              "SECONDS closed", and when it offered a frame to the bus, "SECONDS

@@ -207,6 +207,7 @@ std::string to_prometheus(const RunReport& report) {
              "Wall time of a write after it was due; of clocks that follow the wall's.");
   for (const DeviceReport& device : report.devices) {
     const LatencyHistogram& lateness = device.statistics.lateness;
+    // Buckets are cumulative: `le` is the upper edge, "+Inf" counts all.
     for (const Duration edge : kLatencyEdges) {
       text.sample({{"device", device.name}, {"le", fmt::format("{}", to_seconds(edge))}},
                   lateness.up_to(edge), "_bucket");

@@ -4,8 +4,8 @@
 // Everything that a wire of the rig is found by is replaced, as by a `--set` of its key:
 //
 //   path of a pty           FOLDER/wires/NAME, of the bus, line or device
-//   address                 of a network 127.A.B.0/24 that no other run has; different ones stay
-//                           different
+//   address                 one of a network 127.A.B.0/24 that no other run has; addresses that
+//                           differ stay different
 //   UDP port of a client    one that nobody is bound to, so that it may be bound at any address
 //   CAN interface           slcan on a pty: an interface of the host is everybody's
 //   memory of a device      FOLDER/memory/NAME, which begins as a copy of the file

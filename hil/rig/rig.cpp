@@ -238,6 +238,7 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration, Run
   result.ground = std::make_unique<sim::Ground>(built.ground, built.soils, built.obstacles);
   result.ground->set_loose(std::move(built.loose));
   if (sim::LooseBodies* loose = result.ground->loose()) {
+    // Rocks and crates come to rest before the machine is placed among them.
     loose->settle(kLongestSettling_s);
   }
   result.obstacles = std::make_unique<SceneFallObstacle>(*result.scene);
@@ -247,6 +248,7 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration, Run
   }
   Eigen::Isometry3d X_WB = pose(machine.position_m, {0.0, 0.0, machine.yaw_rad});
   if (machine.on_ground) {
+    // The position's height counts from the ground below the origin of the first link.
     X_WB.translation().z() +=
         result.ground->height_m(X_WB.translation().x(), X_WB.translation().y());
   }
@@ -260,6 +262,7 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration, Run
         std::make_unique<sim::ReplayedMachine>(std::move(result.machine), std::move(record));
   }
   for (const std::string_view link : result.machine->link_names()) {
+    // Each link of the machine is a body of the scene, with the shapes mounted on it.
     const sim::Scene::BodyId body = result.scene->add_body(link);
     for (const LinkShape& shape : machine.shapes) {
       if (shape.link == link) {

@@ -520,6 +520,7 @@ void RunStream::Wire::decode_message(const Piece& piece) {
                     tell(bytes, reading);
                   });
   } else if (fixes_) {
+    // Bytes of a satellite receiver are split into messages first.
     (piece.of_client ? of_client_ : of_receiver_)
         .take(piece.bytes, [&](std::span<const std::uint8_t> bytes, const auto& /*content*/) {
           tell(bytes, read_serial(bytes));

@@ -20,8 +20,8 @@
 //   /wire/NAME                            rigwire.WireMessage: what passes on a wire
 //                                         (hil/stream/wire_reading.h)
 //   /identifiers/NAME                     rigwire.Identifiers: of a CAN bus, how often each has
-//   come
-//                                         since somebody looks (hil/stream/identifier_counts.h)
+//                                         come while viewers were subscribed
+//                                         (hil/stream/identifier_counts.h)
 //   /registers/NAME                       rigwire.Registers: what is known of those of a Modbus
 //                                         line (hil/stream/modbus_reader.h)
 //

@@ -417,6 +417,7 @@ std::string SceneModel::schema() {
                               {"frame_locked", truth},
                               {"metadata", list(object({{"key", text}, {"value", text}}))},
                               {"models", list(model)}});
+  // JSON schema of foxglove.SceneUpdate, without the primitives that are not used here.
   return object({{"deletions", list(object({{"timestamp", time}, {"type", whole}, {"id", text}}))},
                  {"entities", list(entity)}})
       .dump();

@@ -405,6 +405,8 @@ WireReading read_datagram(std::span<const std::uint8_t> bytes) {
   return reading;
 }
 
+/// Lays out the header of a GVSP packet and, by its format, leader, payload or trailer; the fields
+/// are those of protocols/gige_vision.
 WireReading read_stream_packet(std::span<const std::uint8_t> bytes) {
   WireReading reading;
   const auto packet = gige::decode_stream_packet(bytes);

@@ -121,6 +121,7 @@ void CameraWorker::run() {
       return;
     }
     Entry& present = *entries_[next_ - first_];
+    // A job that had to wait is skipped if it would be late after the last picture's duration.
     const bool late = paced_ && present.waited && now_ + last_cost_ > present.job.due;
     const bool wanted = present.job.shot && !present.forgotten && !late;
     const SimTime begun = now_;

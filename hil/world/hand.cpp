@@ -109,6 +109,7 @@ void Hand::lay(SimTime frontier, const Shelves& requests) {
   bool vehicle_anew = false;
   bool power_unit_anew = false;
   for (std::size_t station = 0; station < requests.stations(); ++station) {
+    // The devices' last commands are kept: they apply again when an override is released.
     if (const auto* asked = requests.find<VehicleCommand>(station); asked && !asked->empty()) {
       vehicle_ = asked->back();
       vehicle_anew = true;
@@ -138,6 +139,8 @@ void Hand::lay(SimTime frontier, const Shelves& requests) {
   if (values_.empty() && !changed) {
     return;
   }
+  // Valves are overridden in every slice, since lift() restores them; the other ports only when
+  // a command or an override has changed.
   lay_valves(frontier);
   lay_vehicle(frontier, changed || vehicle_anew);
   lay_power_unit(frontier, changed || power_unit_anew);
@@ -160,6 +163,7 @@ void Hand::lay_valves(SimTime frontier) {
   machine_.valve_port()->command(block);
 }
 
+/// Commands the vehicle port: the devices' last command with the overridden set points replaced.
 void Hand::lay_vehicle(SimTime frontier, bool anew) {
   sim::VehiclePort* const port = machine_.vehicle_port();
   if (port == nullptr || !anew) {

@@ -5,8 +5,8 @@
 // lets go. The valves' are put back before the devices' commands of each slice and laid over again
 // behind them, so that no step of the physics sees anything but the hand's.
 //
-// order() may come from any thread, and acts from the beginning of the next slice that is computed;
-// everything else is on the thread of the truth.
+// An Order comes with the requests of a slice and acts from the beginning of that slice. All
+// functions are called on the thread of the truth.
 #pragma once
 
 #include <cstddef>

@@ -66,7 +66,7 @@ Identities modbus_identities(bool tcp) {
   return identities_of(std::move(cases));
 }
 
-/// Where the device is, and the run of the rig that simulates it; null: another device.
+/// Where the device is; `rig` is the run that simulates it, null for another device.
 struct Place {
   std::unique_ptr<RigProcess> rig;
   std::string device;  ///< Name of the device in the rig.

@@ -53,7 +53,7 @@ class Rerun {
 
   /// Resets the state of the previous run.
   void begin_again() { clients_.begin_again(); }
-  /// To be called before the rig is made.
+  /// Connects the recorded clients to the outlets of the rig; to be called before the rig is made.
   void join(Recorder& recorder);
   /// Adds the recorded actions of the clients and the instants at which the truth followed them; to
   /// be called after the rig is made, before the desk is.

@@ -59,7 +59,7 @@ struct RunOptions {
   /// With a clock that follows the wall's: processors do not sleep
   /// (hil/executive/awake_processors.h).
   bool awake = false;
-  /// With the clock that waits for clients: wall time of each wait.
+  /// With the clock that waits for clients: maximum wall time of each wait.
   std::chrono::nanoseconds patience = std::chrono::seconds{1};
   std::optional<Duration> duration;  ///< Simulated time; without it until a signal.
   std::string report_path;           ///< Empty: no report; "-": standard output.

@@ -72,7 +72,7 @@ class Site {
   /// Light and air of the rig's cameras.
   [[nodiscard]] virtual const std::shared_ptr<CameraSurroundings>& surroundings() const = 0;
   [[nodiscard]] virtual const std::shared_ptr<const sim::Constellation>& satellites() const = 0;
-  /// Returns the antennas of the rig's receivers.
+  /// Returns the antennas of the rig's receivers and base stations.
   [[nodiscard]] virtual const std::shared_ptr<sim::AntennaBook>& antennas() const = 0;
   [[nodiscard]] virtual const sim::LocalFrame& frame() const = 0;
   /// Throws std::invalid_argument when the machine has no such link.

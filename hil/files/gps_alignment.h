@@ -24,8 +24,8 @@ namespace rigwire::hil {
 struct GpsAlignment {
   std::int64_t ahead_ns = 0;      ///< GPS time (UTC, ns since 1970) less the file's instant.
   std::int64_t first_utc_ns = 0;  ///< UTC of the file's first unit, ns since 1970.
-  std::string_view by;            ///< Kind of message that gave the time.
-  std::uint64_t told = 0;         ///< Number of such messages among those examined.
+  std::string_view by;            ///< Kind of message that gave `ahead_ns`.
+  std::uint64_t told = 0;         ///< Number of units that gave a time.
 };
 
 /// Throws as open_replay_reader(), and std::invalid_argument where nothing in the file tells it.

@@ -290,7 +290,7 @@ void CanBitLevel::observe_after_flag(Party& party, bool level) {
 void CanBitLevel::signal(Party& party) {
   party.count = 0;
   party.dominants = 0;
-  // Which flag it is was settled before this error counted: its counters have not heard of it yet.
+  // The flag depends on the error state before this error: counters are updated after the bit.
   const bool silent = party.node->settings().listen_only;
   party.does = party.node->passive() || silent ? Does::passive_flag : Does::active_flag;
 }

@@ -37,14 +37,14 @@ class CanBitClock {
 
   /// The present position: begin of a frame, or the bit from which the bus is free.
   [[nodiscard]] SimTime now() const { return after(0); }
-  /// The begin of the bit that many bits later. Precondition: bits < 2^33.
+  /// Returns the begin of the bit that is `bits` after now(). Precondition: bits < 2^33.
   [[nodiscard]] SimTime after(std::uint64_t bits) const { return anchor_ + span(bit_ + bits); }
-  /// As a duration, to the nearest nanosecond. Precondition: bits < 2^34.
+  /// Returns the length of `bits` bits, to the nearest nanosecond. Precondition: bits < 2^34.
   [[nodiscard]] Duration span(std::uint64_t bits) const {
     return Duration{static_cast<std::int64_t>((bits * kSecond_ns + rate_ / 2) / rate_)};
   }
-  /// Bits in a span, to the nearest; spans beyond a second count as one. Precondition: not
-  /// negative.
+  /// Returns the number of bits in a span, to the nearest; spans beyond a second count as one
+  /// second. Precondition: not negative.
   [[nodiscard]] std::uint64_t bits_in(Duration span) const {
     const auto ns = static_cast<std::uint64_t>(span.count());
     return ((ns < kSecond_ns ? ns : kSecond_ns) * rate_ + kSecond_ns / 2) / kSecond_ns;
@@ -185,9 +185,11 @@ class CanBitLevel {
     bool acknowledged = false;  ///< Transmitter: the slot is behind it.
     bool unacknowledged_passive = false;  ///< Counts only if its passive flag meets a dominant bit.
     bool first_after_flag = false;
-    unsigned count = 0;      ///< Of what it does: bits of the flag, of the delimiter, equal bits.
+    /// Bits counted in the present state: of the flag, of the delimiter, or equal bits of a passive
+    /// flag.
+    unsigned count = 0;
     bool equal_to = true;    ///< Passive flag: the level of the equal bits counted.
-    unsigned dominants = 0;  ///< Since the own flag ended.
+    unsigned dominants = 0;  ///< Dominant bits since the own flag ended.
     unsigned flag_bits = 6;
     unsigned misreads_at = CanLineState::kNoBit;  ///< A receiver with another bit rate.
     std::uint16_t view = 0;                       ///< Transmitter.
@@ -213,8 +215,8 @@ class CanBitLevel {
   std::uint32_t segment_bps_;
   CanLineState line_;
   std::vector<Party> parties_;
-  std::vector<CanWireView> views_;  ///< Of the transmitters.
-  std::size_t read_ = 0;            ///< The one that receivers read.
+  std::vector<CanWireView> views_;  ///< Frames on the wire, one per transmitter.
+  std::size_t read_ = 0;            ///< Index of the view that receivers read.
   std::vector<CanHappening> happenings_;
   unsigned bit_ = 0;  ///< The next one.
   unsigned run_ = 0;  ///< Equal bits on the wire, since the start of frame was seen.

@@ -53,7 +53,7 @@ class CanFaultSchedule;
 
 struct CanBusSettings {
   std::uint32_t bit_rate_bps = 250'000;  ///< 10 000 .. 1 000 000.
-  std::size_t queue_frames = 64;         ///< Of each node; 1 .. 65536.
+  std::size_t queue_frames = 64;         ///< Transmit queue of each node, frames; 1 .. 65536.
 };
 
 void visit(fields::Visitor& v, CanBusSettings& p);
@@ -63,7 +63,7 @@ void validate(const CanBusSettings& settings);
 
 /// One node as reports show it.
 struct CanNodeStatus {
-  std::string_view name;  ///< Of its settings.
+  std::string_view name;  ///< CanNodeSettings::name.
   std::uint32_t bit_rate_bps = 0;
   CanNodeCounters counters;
   protocols::can::ControllerReport controller;  ///< State and error counters.
@@ -80,51 +80,52 @@ class CanBusModel {
   /// receives every frame that the node has sent, with the instant of its end of frame. Throws
   /// std::invalid_argument for settings out of range and for a name that another node has.
   [[nodiscard]] FrameOutput& add_node(FrameOutput& exit, const CanNodeSettings& node = {});
-  /// Names the device that hears what the others send. `output` is one of add_node()'s; the device
-  /// must outlive the bus's last advance().
+  /// Connects the device that receives what the others send. `output` is one of add_node()'s; the
+  /// device must outlive the bus's last advance().
   void attach(FrameOutput& output, CanDevice& device);
-  /// Names who hears what becomes of the node's frames, and of its controller: for a node that is
-  /// a further client's.
+  /// Connects the observer of the node's frames and of its controller, for a node that represents a
+  /// further client.
   void attach(FrameOutput& output, CanOutside& outside);
 
   /// Optional, once.
   void set_outside(CanOutside& outside);
-  /// The client opened or closed its controller, or set it otherwise: its counters begin anew, and
-  /// what it still had to send while it closes is lost. Before the first call it is
-  /// OutsideController{}. A bit rate out of range is taken as the nearest one that is allowed.
+  /// The client opened or closed its controller, or changed its settings: its counters restart at
+  /// zero, and what it still had to send while it closes is lost. Before the first call it is
+  /// OutsideController{}. A bit rate out of range is replaced by the nearest one that is allowed.
   void set_client(SimTime now, const OutsideController& client);
-  /// The same for a further client's node, which is one of add_node()'s; each call is a change.
+  /// Sets the controller of a further client; `output` is its node, one of add_node()'s. Each call
+  /// counts as a change.
   void set_client(SimTime now, FrameOutput& output, const OutsideController& client);
   /// The client asks its controller to come back from bus-off.
   void restart_outside(SimTime now);
 
-  /// What will go wrong. Frames of intruders leave by `intruder_exit`. To be called once, after the
-  /// last add_node() and before the first advance(). Throws std::invalid_argument.
+  /// Sets the faults of the bus. Frames of intruders leave by `intruder_exit`. To be called once,
+  /// after the last add_node() and before the first advance(). Throws std::invalid_argument.
   void set_faults(const CanBusFaults& faults, FrameOutput& intruder_exit);
-  /// For those that are begun and ended while the bus runs. Precondition: set_faults().
+  /// Returns the schedule to begin and end faults while the bus runs. Precondition: set_faults().
   [[nodiscard]] CanFaultSchedule& faults() { return *faults_; }
 
   /// A frame from outside, wanting to be sent from `now` on.
   void receive(SimTime now, const protocols::can::Frame& frame);
 
-  /// Lets the bus live up to and including `now`.
+  /// Simulates the bus up to and including `now`.
   void advance(SimTime now);
   [[nodiscard]] SimTime next_event() const;
 
-  /// Share of the second before `now` in which the bus was occupied, errors included, 0..1, in
-  /// steps of 10 ms: counted are the hundred whole hundredths of a second that ended last.
+  /// Returns the share of the second before `now` in which the bus was occupied, errors included,
+  /// 0..1, in steps of 10 ms: the last hundred complete hundredths of a second are counted.
   [[nodiscard]] double load(SimTime now) const { return wire_.load().share(now); }
-  /// That went well.
+  /// Returns the number of frames sent without error.
   [[nodiscard]] std::uint64_t frames() const { return wire_.frames(); }
-  /// Attempts that an error ended.
+  /// Returns the number of attempts that an error ended.
   [[nodiscard]] std::uint64_t error_frames() const { return wire_.error_frames(); }
-  /// Arbitrations that two nodes would have won.
+  /// Returns the number of arbitrations that ended without a single winner.
   [[nodiscard]] std::uint64_t collisions() const { return wire_.collisions(); }
   [[nodiscard]] CanNodeCounters counters(const FrameOutput& output) const;
-  /// What the client sent last that the node's device took (ReceiveCounters::accepted).
+  /// Returns the client's last frame that the node's device accepted (ReceiveCounters::accepted).
   [[nodiscard]] const std::optional<CanRequest>& last_request(const FrameOutput& output) const;
   [[nodiscard]] protocols::can::ControllerReport controller(const FrameOutput& output) const;
-  /// Of what came from outside.
+  /// Returns the counters of the client's own node.
   [[nodiscard]] CanNodeCounters outside_counters() const { return nodes_.front()->counters(); }
   [[nodiscard]] protocols::can::ControllerReport outside_controller() const {
     return nodes_.front()->status();

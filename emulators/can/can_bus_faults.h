@@ -48,7 +48,7 @@ struct DisconnectedFault {
 struct IntruderFault {
   static constexpr fields::Named kNamed{"inserted", "Somebody sends a frame again and again."};
 
-  std::string frame = "000#";  ///< As candump writes it.
+  std::string frame = "000#";  ///< Frame in candump's notation.
   Duration period = std::chrono::milliseconds{10};
 };
 struct DuplicateAddressFault {
@@ -76,24 +76,24 @@ struct CanFault {
 };
 void visit(fields::Visitor& v, CanFault& p);
 
-/// The node that the fault is about (CanNodeSettings::name); empty for those of the whole bus.
+/// Returns the node that the fault concerns (CanNodeSettings::name); empty if the whole bus.
 [[nodiscard]] std::string node_of(const CanFault& fault);
 
-/// Whether it turns bits over, whoever sends them.
+/// Returns whether the fault inverts bits on the wire, whoever sends them.
 [[nodiscard]] bool is_of_wire(const CanFault& fault);
 
-/// What an intruder sends. Precondition: validate() accepts it.
+/// Returns the frame that an intruder sends. Precondition: validate() accepts the fault.
 [[nodiscard]] protocols::can::Frame frame_of(const IntruderFault& fault);
 /// Address claimed (SAE J1939-81, 4.2.2), to everybody.
 [[nodiscard]] protocols::can::Frame frame_of(const DuplicateAddressFault& fault);
 
 struct CanBusFaults {
   std::vector<CanFault> list;
-  std::uint64_t seed = 1;  ///< Of everything that is drawn.
+  std::uint64_t seed = 1;  ///< Seed of all random draws of the faults.
 };
 
-/// Throws std::invalid_argument with the quantity, the value found and what is allowed. Whether
-/// a node exists is the bus's to say (can_fault_schedule.h).
+/// Throws std::invalid_argument with the quantity, the value found and what is allowed. Does not
+/// check whether the node exists; CanFaultSchedule::begin() does.
 void validate(const CanFault& fault);
 void validate(const CanBusFaults& faults);
 

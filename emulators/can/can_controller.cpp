@@ -163,6 +163,8 @@ void CanController::receive(SimTime now, const Frame& frame, bool from_outside) 
   }
 }
 
+/// Counts the error by its kind, applies the rule of ISO 11898-1:2015, 12.1.4, to the error
+/// counters and announces the new state. A controller that reaches bus-off gives up its frames.
 void CanController::count_error(SimTime now, CanErrorRule rule, ControllerReport report) {
   switch (report.error) {
     case BusError::none:

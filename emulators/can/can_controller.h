@@ -8,7 +8,7 @@
 // - Recovery takes 128 sequences of 11 recessive bits from the instant at which it begins. It
 // begins
 //   CanNodeSettings::restart_after later, or when the host asks (ISO 11898-1:2015, 12.1.4.4).
-// - A controller in listen-only mode has error counters that stand still.
+// - A controller in listen-only mode has error counters that do not change.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@
 
 namespace rigwire::emulators {
 
-/// Which error counter a happening on the bus moves.
+/// Error counter that an event on the bus changes.
 enum class CanErrorRule : std::uint8_t {
   none,            ///< Seen, not counted: the exceptions of the standard.
   transmit,        ///< Transmit counter + 8.
@@ -32,8 +32,8 @@ enum class CanErrorRule : std::uint8_t {
 
 /// The two error counters of a CAN controller and what follows from them.
 ///
-/// Source: ISO 11898-1:2015, 12.1.4 (fault confinement). Which rule applies to whom and when is the
-/// bit level's business (can_bit_level.h); here is what each does to the counters.
+/// Source: ISO 11898-1:2015, 12.1.4 (fault confinement). CanBitLevel decides which rule applies to
+/// which node and when; this class applies it to the counters.
 class CanFaultConfinement {
  public:
   static constexpr unsigned kWarning = 96;
@@ -41,13 +41,13 @@ class CanFaultConfinement {
   static constexpr unsigned kBusOff = 256;
   /// A successful reception leaves a passive receiver with a value of 119 .. 127: this one.
   static constexpr unsigned kAfterReception = 127;
-  /// Of the receive counter, which need not count further than it takes to be passive.
+  /// Limit of the receive counter, which need not count beyond the threshold of error passive.
   static constexpr unsigned kMostReceiveErrors = 255;
 
   void transmit_error() { transmit_errors_ = std::min(transmit_errors_ + 8, kBusOff); }
   void transmitted() { transmit_errors_ -= bus_off() || transmit_errors_ == 0 ? 0U : 1U; }
   void receive_error() { add_receive_errors(1); }
-  /// The first bit after the own error flag is dominant, and its like.
+  /// Counts a dominant first bit after the own error flag, or an error that counts the same.
   void severe_receive_error() { add_receive_errors(8); }
   void received() {
     if (receive_errors_ >= kPassive) {

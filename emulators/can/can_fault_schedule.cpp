@@ -50,7 +50,7 @@ CanFaultSchedule::Book::Id CanFaultSchedule::begin(const CanFault& fault) {
   CanController* const node = of_node ? &find_node(fault) : nullptr;
   for (const Book::Entry& entry : book_.list()) {
     const CanFault& other = entry.fault;
-    // Of what comes again or waits, the whole of it.
+    // A fault that repeats or waits for a condition counts with its whole possible extent.
     const SimTime both = std::max(other.when.earliest_begin(), fault.when.earliest_begin());
     if (of_node && other.what.index() == fault.what.index() && node_of(other) == node_of(fault) &&
         both < std::min(other.when.latest_end(), fault.when.latest_end())) {

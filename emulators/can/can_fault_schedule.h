@@ -1,5 +1,5 @@
-// The faults of a bus: the book of them, which may change while the bus runs, and what becomes of
-// nodes, stubs and intruders by it. Those of the wire are can_noise.h's.
+// The faults of a bus: the list of them, which may change while the bus runs, and their effect on
+// nodes, stubs and intruders. can_noise.h has those of the wire.
 #pragma once
 
 #include <memory>
@@ -13,30 +13,31 @@
 
 namespace rigwire::emulators {
 
-/// A fault of a node begins and ends between two frames: when its instant lies within one, after
-/// it.
+/// Begins and ends faults of a node only between two frames: if the instant lies within a frame, at
+/// the frame's end.
 class CanFaultSchedule {
  public:
   using Book = FaultBook<CanFault>;
 
-  /// Gives `wire` its noise and connects the intruders to it. Wire, exit and nodes must outlive it.
-  /// Throws as begin().
+  /// Gives `wire` its noise and connects the intruders to it. Wire, exit and nodes must outlive the
+  /// schedule. Throws as begin().
   CanFaultSchedule(const CanBusFaults& faults, std::uint32_t bit_rate_bps,
                    std::span<CanController* const> nodes, CanSegment& wire,
                    FrameOutput& intruder_exit);
 
-  /// One more, which acts as if it had been there from the start; it begins no earlier than the bus
-  /// was advanced to. One of the wire does not reach into a frame in which an error was signalled
-  /// before. Allocates. Throws std::invalid_argument when it is out of range, names a node that is
-  /// none of the bus, or is the second of its kind on a node at a time.
+  /// Adds a fault, which acts as if it had been there from the start; it begins no earlier than the
+  /// time the bus was advanced to. A fault of the wire does not affect a frame in which an error
+  /// was signalled before. Allocates. Throws std::invalid_argument if the fault is out of range,
+  /// names a node that the bus does not have, or is the second of its kind on a node at one time.
   Book::Id begin(const CanFault& fault);
-  /// As FaultBook::end(). Which bit of its last frame a disturbance turns over at random may be
-  /// another one than if the end had been known beforehand.
+  /// Ends a fault like FaultBook::end(). The random bit that a disturbance inverts in its last
+  /// frame may differ from the one of a run in which the end was known beforehand.
   bool end(Book::Id id, SimTime now);
   [[nodiscard]] const Book& book() const { return book_; }
 
   [[nodiscard]] SimTime next_event() const;
-  /// What happens at next_event(). `now` is later when it had to wait for the end of a frame.
+  /// Executes what is due at next_event(). `now` is later when it had to wait for the end of a
+  /// frame.
   void step(SimTime now);
 
   [[nodiscard]] std::span<CanController* const> intruders() const { return intruder_nodes_; }
@@ -46,7 +47,7 @@ class CanFaultSchedule {
   struct NodeFault {
     Book::Id id;
     CanController* node;
-    CanSegment* stub;  ///< Of a node that is disconnected; else null.
+    CanSegment* stub;  ///< Separate bus of a disconnected node; else null.
     bool acts = false;
   };
   struct Stub {
@@ -63,7 +64,7 @@ class CanFaultSchedule {
 
   [[nodiscard]] CanController& find_node(const CanFault& fault) const;
   [[nodiscard]] CanSegment& stub_of(CanController& node);
-  /// In the place of one whose fault is over, where there is such a one.
+  /// Replaces an intruder whose fault is over, if there is one, else adds one.
   void add_intruder(Book::Id id, const protocols::can::Frame& frame, Duration period);
   void find_due();
   [[nodiscard]] SimTime next_change() const;

@@ -1,5 +1,5 @@
-// One node of a CAN bus as it is set up, and what it has counted; and the client's place on the
-// bus: its controller as the bus sees it, and what that controller tells the client.
+// Settings and counters of one node of a CAN bus; and the client's node: its controller as the bus
+// sees it, and what that controller reports to the client.
 #pragma once
 
 #include <array>
@@ -16,11 +16,12 @@
 
 namespace rigwire::emulators {
 
-/// Which of its waiting frames a controller offers to the bus next. Both exist: a queue in front of
-/// one mailbox, and several mailboxes from which the most urgent identifier is chosen.
+/// Order in which a controller offers its waiting frames to the bus. Both exist in hardware: a
+/// queue in front of one mailbox, and several mailboxes of which the most urgent identifier is
+/// chosen.
 enum class CanQueueOrder : std::uint8_t {
-  fifo,      ///< As they came: an urgent frame waits behind others (inner priority inversion).
-  priority,  ///< In the order of the arbitration field; frames with equal ones as they came.
+  fifo,      ///< Order of arrival: an urgent frame waits behind others (inner priority inversion).
+  priority,  ///< Order of the arbitration field; frames with equal fields in order of arrival.
 };
 inline constexpr std::array<fields::Choice<CanQueueOrder>, 2> kCanQueueOrders{
     {{CanQueueOrder::fifo, "fifo", "As the frames came."},
@@ -30,14 +31,14 @@ inline constexpr std::array<fields::Choice<CanQueueOrder>, 2> kCanQueueOrders{
 inline constexpr const char* kCanOutsideName = "client";
 
 struct CanNodeSettings {
-  std::string name{};              ///< By which faults and reports know it; may be empty.
+  std::string name{};              ///< Name used by faults and reports; may be empty.
   std::uint32_t bit_rate_bps = 0;  ///< 10 000 .. 1 000 000; 0: the bus's.
-  std::size_t queue_frames = 0;    ///< Waiting ones, 1 .. 65536; 0: the bus's. One more is in the
-                                   ///< mailbox while it is on the wire.
+  /// Waiting frames, 1 .. 65536; 0: the bus's. One more is in the mailbox while it is on the wire.
+  std::size_t queue_frames = 0;
   CanQueueOrder order = CanQueueOrder::fifo;
   bool listen_only = false;  ///< Sends nothing, acknowledges nothing, signals no errors.
   bool one_shot = false;     ///< Tries every frame once: ISO 11898-1, retransmission disabled.
-  /// From bus-off to the beginning of the recovery, 0 .. 1 h; nullopt: only when asked.
+  /// From bus-off to the beginning of the recovery, 0 .. 1 h; nullopt: only on request.
   std::optional<Duration> restart_after = std::chrono::milliseconds{100};
 };
 
@@ -54,7 +55,7 @@ struct CanErrorCounts {
   friend bool operator==(const CanErrorCounts&, const CanErrorCounts&) = default;
 };
 
-/// A frame of the client's that the node's device took as meant for it.
+/// A frame of the client that the node's device accepted.
 struct CanRequest {
   SimTime at{};
   protocols::can::Frame frame;
@@ -71,13 +72,13 @@ struct CanNodeCounters {
   std::uint64_t retransmissions = 0;     ///< Attempts after one that an error ended.
   std::uint64_t arbitration_losses = 0;  ///< Attempts that a more urgent frame ended.
   std::uint64_t bus_offs = 0;
-  CanErrorCounts errors;     ///< That this node detected, in own and in others' frames.
-  Duration longest_wait{0};  ///< Of frames sent: from wanting to the start of the frame.
+  CanErrorCounts errors;     ///< Errors that this node detected, in own and in others' frames.
+  Duration longest_wait{0};  ///< Longest time from the request to the start of a sent frame.
 
   friend bool operator==(const CanNodeCounters&, const CanNodeCounters&) = default;
 };
 
-/// Hears what happens to the client's controller. Calls come from CanBusModel's advance(),
+/// Receives the events of the client's controller. Calls come from CanBusModel's advance(),
 /// receive(), set_client() and restart_outside(), with times that never decrease.
 class CanOutside {
  public:

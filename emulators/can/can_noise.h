@@ -1,5 +1,4 @@
-// What is wrong with the wire itself, frame by frame: the faults noise, disturbance and
-// short.
+// Errors of the wire itself, frame by frame: the faults noise, disturbance and short.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +16,16 @@ class CanNoise {
   /// `book` must outlive it.
   CanNoise(const FaultBook<CanFault>& book, std::uint64_t seed) : book_(book), seed_(seed) {}
 
-  /// The newest fault of the book is one more. Each draws from a stream of its own, by its place.
+  /// Registers the newest fault of the book. Each fault draws from a random stream of its own,
+  /// chosen by its position in the book.
   void add_newest();
 
-  /// Of an attempt that begins at the clock's present position and has `bits` bits when it goes
-  /// well. To be called once for each attempt: random numbers are drawn. Bit errors are those of
-  /// attempts that begin while the fault holds.
+  /// Returns the errors of an attempt that begins at the clock's present position and has `bits`
+  /// bits when it succeeds. To be called once for each attempt: random numbers are drawn. Bit
+  /// errors affect only attempts that begin while the fault holds.
   [[nodiscard]] CanLineState attempt(const CanBitClock& clock, unsigned bits);
-  /// Of the same attempt, after the book has changed: as if it had been so when it began.
+  /// Returns the errors of the same attempt after the book has changed, as if the new state had
+  /// held when it began.
   [[nodiscard]] CanLineState attempt_again(const CanBitClock& clock, unsigned bits);
 
  private:
@@ -33,7 +34,7 @@ class CanNoise {
     std::optional<std::uint64_t> good_bits_left;  ///< noise; nothing: not drawn yet.
   };
   struct Source {
-    FaultBook<CanFault>::Id id;  ///< Of the book.
+    FaultBook<CanFault>::Id id;  ///< Number of the fault in `book_`.
     State state;
     State before_attempt;
   };

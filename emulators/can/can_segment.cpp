@@ -101,7 +101,7 @@ void CanSegment::find_next() const {
       }
     }
     if (start != kNever) {
-      // Who becomes ready within the first bit sees the start of frame and joins.
+      // A node that becomes ready within the first bit sees the start of frame and joins.
       next_ = std::min(next_, start + clock_.span(1));
     }
   }

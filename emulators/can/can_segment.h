@@ -1,5 +1,5 @@
-// A piece of wire with the controllers that are connected to it: who starts, who wins, how long it
-// takes, who hears it.
+// One bus segment with the controllers connected to it: which node starts, which wins arbitration,
+// how long a frame takes, which nodes receive it.
 //
 // A frame that goes well is settled in one step: its length is known (protocols/can/bits.h). Every
 // other attempt is run bit by bit (can_bit_level.h): no acknowledgement, equal identifiers with
@@ -18,13 +18,13 @@
 
 namespace rigwire::emulators {
 
-/// Which share of the last second a bus was occupied.
+/// Measures the share of the last second in which a bus was occupied.
 class CanBusLoad {
  public:
   /// The bus is occupied in [begin, end). Spans come in order and do not overlap.
   void occupy(SimTime begin, SimTime end);
-  /// Share of the second before `now`, 0..1, in steps of 10 ms: counted are the hundred whole
-  /// hundredths of a second that ended last.
+  /// Returns the share of the second before `now`, 0..1, in steps of 10 ms: the last hundred
+  /// complete hundredths of a second are counted.
   [[nodiscard]] double share(SimTime now) const;
 
  private:
@@ -39,16 +39,17 @@ class CanSegment {
  public:
   explicit CanSegment(std::uint32_t bit_rate_bps) : clock_(bit_rate_bps), bits_(bit_rate_bps) {}
 
-  /// Room for so many nodes.
+  /// Reserves memory for `nodes` nodes.
   void reserve(std::size_t nodes);
-  /// In the order in which frames are handed out. The controller must not be connected elsewhere.
+  /// Connects a node; the order of the calls is the order in which frames are delivered. The
+  /// controller must not be connected elsewhere.
   void connect(SimTime now, CanController& node);
   /// Precondition: not busy().
   void disconnect(CanController& node);
   /// `noise` must outlive it.
   void set_noise(CanNoise& noise) { noise_ = &noise; }
-  /// What the noise says of the frame on the wire may be otherwise: as if it had been so when the
-  /// frame began, unless nodes have been told of an error in it.
+  /// Repeats the noise of the frame on the wire after the faults have changed, as if the new state
+  /// had held when the frame began, unless the nodes already know of events in it.
   void reconsider();
 
   [[nodiscard]] SimTime next_event() const {
@@ -57,15 +58,15 @@ class CanSegment {
     }
     return next_;
   }
-  /// What happens at next_event().
+  /// Executes what is due at next_event().
   void step();
-  /// A frame, or what an error made of it, is on the wire.
+  /// Whether a frame, or what an error made of it, is on the wire.
   [[nodiscard]] bool busy() const { return attempt_ != Attempt::none; }
 
   [[nodiscard]] const CanBusLoad& load() const { return load_; }
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
   [[nodiscard]] std::uint64_t error_frames() const { return error_frames_; }
-  /// Arbitrations that two nodes would have won.
+  /// Returns the number of arbitrations that ended without a single winner.
   [[nodiscard]] std::uint64_t collisions() const { return collisions_; }
 
  private:
@@ -103,11 +104,11 @@ class CanSegment {
   CanNoise* noise_ = nullptr;
   CanBusLoad load_;
   std::vector<CanController*> nodes_;
-  std::vector<Contender> contenders_;  ///< Of the attempt: those whose frame goes onto the wire,
-  std::vector<Contender> losers_;      ///< and one-shot controllers that lost at once.
+  std::vector<Contender> contenders_;  ///< Nodes whose frame is on the wire in this attempt.
+  std::vector<Contender> losers_;      ///< One-shot controllers that lost arbitration in it.
   Attempt attempt_ = Attempt::none;
-  bool told_ = false;              ///< Nodes know of what has happened in it.
-  SimTime loaded_until_ = kStart;  ///< What `load_` has been told.
+  bool told_ = false;              ///< The nodes know of events in this attempt.
+  SimTime loaded_until_ = kStart;  ///< End of the last span given to `load_`.
   mutable bool stale_ = true;
   mutable SimTime next_ = kNever;
   std::uint64_t frames_ = 0;

@@ -43,13 +43,15 @@ struct Quantity {
   double resolution = 0.0;  ///< One count.
 };
 
-/// What a signal carries; `name` where the quantity is called otherwise.
+/// Returns the quantity that a signal carries; `name` replaces the signal's name unless it is
+/// empty.
 [[nodiscard]] constexpr Quantity quantity(const protocols::can::Signal& signal,
                                           std::string_view name = {}) {
   return {name.empty() ? signal.name : name, signal.unit, signal.lower, signal.upper,
           signal.scale < 0.0 ? -signal.scale : signal.scale};
 }
-/// The same of a device that measures less than its format carries.
+/// Returns `quantity` with the narrower limits of a device that measures less than its format
+/// carries.
 [[nodiscard]] constexpr Quantity within(Quantity quantity, double lower, double upper) {
   quantity.lower = lower;
   quantity.upper = upper;

@@ -23,7 +23,7 @@ struct SlowNodeFault {
   static constexpr fields::Named kNamed{"slow",
                                         "Only a share of what the node sends by itself is sent."};
 
-  double share = 0.5;  ///< Of each message, as evenly as can be.
+  double share = 0.5;  ///< Share of each message that is sent, spread as evenly as possible.
   Duration ramp{0};
 
   void grow(double of_it) { share = 1.0 - of_it * (1.0 - share); }
@@ -50,20 +50,22 @@ inline void visit(fields::Visitor& v, RefusalFault& p) {
   visit_fault(v, p);
 }
 
-/// Which of its messages a node has time for.
+/// Decides which of its messages a slow node has time to send.
 class Pace {
  public:
-  /// Whether the message of that number, due at `now`, is sent. Each message is thinned by itself:
-  /// of any n in a row n times the share, to within one. To be asked once for each that is due.
+  /// Returns whether the message of that number, due at `now`, is sent. Each message is thinned by
+  /// itself: of any n in a row n times the share, to within one, is sent. To be called once for
+  /// each message that is due.
   [[nodiscard]] bool has_time(SimTime now, std::uint32_t message);
 
   FaultBook<PaceFault>::Id begin(const PaceFault& fault) { return faults_.add(fault); }
-  /// As FaultBook::end().
+  /// Ends a fault like FaultBook::end().
   bool end(FaultBook<PaceFault>::Id id, SimTime now) { return faults_.end(id, now); }
 
  private:
   FaultBook<PaceFault> faults_;
-  std::vector<std::pair<std::uint32_t, double>> owed_;  ///< Of each message, in messages.
+  /// Message number, and messages owed to it.
+  std::vector<std::pair<std::uint32_t, double>> owed_;
 };
 
 /// When a node refuses what would change it.
@@ -74,7 +76,7 @@ class Refusal {
   }
 
   FaultBook<RefusalFault>::Id begin(const RefusalFault& fault) { return faults_.add(fault); }
-  /// As FaultBook::end().
+  /// Ends a fault like FaultBook::end().
   bool end(FaultBook<RefusalFault>::Id id, SimTime now) { return faults_.end(id, now); }
 
  private:

@@ -19,7 +19,7 @@
 
 namespace rigwire::emulators {
 
-/// Of the frames, each by itself, that it happens to.
+/// Share of the frames that are affected, drawn for each frame independently.
 struct ShareOfFrames {
   double share = 1.0;
   Duration ramp{0};
@@ -73,7 +73,7 @@ class FaultyFrames final : public FrameOutput {
   void send(SimTime due, const protocols::can::Frame& frame) override;
 
   FaultBook<FrameFault>::Id begin(const FrameFault& fault) { return faults_.add(fault); }
-  /// As FaultBook::end().
+  /// Ends a fault from `now` on. Returns false if there is none of that number or it is over.
   bool end(FaultBook<FrameFault>::Id id, SimTime now) { return faults_.end(id, now); }
 
  private:

@@ -12,13 +12,14 @@
 
 namespace rigwire::emulators {
 
-/// One key. A device lists its rows as `live_settings()`, in the order in which they are told when
-/// several are.
+/// One key that can be changed while running. A device lists its rows as `live_settings()`, in the
+/// order in which several changes are applied.
 template <class Device, class Settings>
 struct LiveSetting {
-  std::string_view key;  ///< As the settings' visit() has it, "fov.start" within a group.
-  std::string_view by;   ///< How the device's own software tells it: "CFG-RATE".
-  /// At `now`, as `wanted` has it, which is valid. Why the device does not take it; empty: it has.
+  std::string_view key;  ///< Key in the settings' visit(), "fov.start" within a group.
+  std::string_view by;   ///< Name of the setting in the device's own protocol: "CFG-RATE".
+  /// Applies the value of `wanted`, which is valid, at `now`. Returns why the device refuses it;
+  /// empty if it is accepted.
   std::string_view (*tell)(Device& device, SimTime now, const Settings& wanted);
 };
 

@@ -30,9 +30,9 @@ namespace rigwire::emulators {
 
 /// How a node's clock is made.
 struct OwnClockSettings {
-  /// Of the crystal, relative: its error is drawn evenly from within. 50e-6 is what makers of
-  /// microcontrollers ask of a crystal over its temperature (Texas Instruments MSP432E411Y,
-  /// SLASEK6, table 5-40: +-50 ppm, and 5 ppm in the first year). 0 .. 1e-3.
+  /// Tolerance of the crystal, relative: its error is drawn uniformly from +-tolerance. 50e-6 is
+  /// what makers of microcontrollers ask of a crystal over its temperature (Texas Instruments
+  /// MSP432E411Y, SLASEK6, table 5-40: +-50 ppm, and 5 ppm in the first year). 0 .. 1e-3.
   double tolerance = 50e-6;
   /// Added to what was drawn; positive runs fast. -1e-3 .. 1e-3.
   double error = 0.0;
@@ -58,7 +58,7 @@ class OwnClock {
   [[nodiscard]] SimTime run_time(SimTime own) const;
   /// The latest that the clock has shown at `run`: own_time(run_time(x)) is x, or 1 ns more.
   [[nodiscard]] SimTime own_time(SimTime run) const;
-  /// Of an instant as settings give it: since the start of the run.
+  /// Converts an instant given as a setting: time since the start of the run.
   [[nodiscard]] Duration own_time(Duration since_start) const {
     return own_time(kStart + since_start) - kStart;
   }
@@ -111,7 +111,7 @@ class Samples : public Backend {
   Emulator& emulator_;
 };
 
-/// Of a device that commands something.
+/// Backend of a device that also returns a command.
 template <class Emulator, class Backend>
 class Commands : public Samples<Emulator, Backend> {
  public:

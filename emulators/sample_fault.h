@@ -237,7 +237,7 @@ void visit(fields::Visitor& v, SampleFault<Sample>& p) {
   visit_fault(v, p);
 }
 
-/// Lays the faults over samples, one after the other as they come.
+/// Applies the faults to samples, one after the other as they come.
 template <HasQuantities Sample>
 class FaultySamples {
  public:
@@ -246,10 +246,11 @@ class FaultySamples {
 
   using Id = typename FaultBook<SampleFault<Sample>>::Id;
   Id begin(const SampleFault<Sample>& fault) { return faults_.add(fault); }
-  /// As FaultBook::end().
+  /// Ends a fault from `now` on. Returns false if there is none of that number or it is over.
   bool end(Id id, SimTime now) { return faults_.end(id, now); }
 
-  /// At sample.time. Precondition: it does not fall from call to call.
+  /// Applies the faults that hold at sample.time. Precondition: it does not decrease from call to
+  /// call.
   void lay_over(Sample& sample) {
     for (const auto& entry : faults_.list()) {
       if (entry.fault.when.holds(sample.time)) {

@@ -39,15 +39,16 @@ class Supply {
   explicit Supply(const SupplySettings& settings);
 
   [[nodiscard]] bool on() const { return on_; }
-  /// When it is switched next; kNever when no more.
+  /// Returns when the supply switches next; kNever if it does not switch any more.
   [[nodiscard]] SimTime next_change() const { return next_; }
   /// Switches. To be called at next_change().
   void change();
 
   [[nodiscard]] const FaultBook<SupplyFault>& book() const { return book_; }
-  /// One more. It begins no earlier than the device was advanced to. Throws std::invalid_argument.
+  /// Adds a fault. It begins no earlier than the device was advanced to. Throws
+  /// std::invalid_argument.
   FaultBook<SupplyFault>::Id begin(const SupplyFault& fault);
-  /// As FaultBook::end().
+  /// Ends a fault from `now` on. Returns false if there is none of that number or it is over.
   bool end(FaultBook<SupplyFault>::Id id, SimTime now);
 
  private:

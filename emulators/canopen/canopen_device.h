@@ -27,18 +27,19 @@ namespace rigwire::emulators {
 
 struct CanopenDeviceSettings {
   CanopenNodeSettings node;
-  std::uint8_t transmission_type = 255;  ///< Of TPDO1 at delivery: 0..240, 254 or 255.
-  std::uint16_t event_timer_ms = 0;      ///< Of TPDO1 at delivery.
-  std::uint16_t heartbeat_ms = 0;        ///< At delivery; 0 is none.
+  /// Transmission type of TPDO1 at delivery: 0..240, 254 or 255.
+  std::uint8_t transmission_type = 255;
+  std::uint16_t event_timer_ms = 0;  ///< Event timer of TPDO1 at delivery.
+  std::uint16_t heartbeat_ms = 0;    ///< Heartbeat period at delivery; 0 is none.
   std::uint32_t serial = 1;
-  std::uint32_t vendor = 0;  ///< Of the CiA's list; 0 belongs to nobody.
+  std::uint32_t vendor = 0;  ///< Vendor-ID of the CiA's list; 0 is assigned to no vendor.
   SupplySettings supply;
-  Duration sampling = std::chrono::milliseconds{5};  ///< Between two readings.
+  Duration sampling = std::chrono::milliseconds{5};  ///< Time between two readings.
 };
 
 /// The keys of node and identity; supply and sampling follow those of the profile.
 void visit_canopen(fields::Visitor& v, CanopenDeviceSettings& p);
-/// What joins several of them. Throws std::invalid_argument.
+/// Checks what depends on several settings. Throws std::invalid_argument.
 void validate_canopen(const CanopenDeviceSettings& settings);
 
 class CanopenDevice : public CanDevice, protected CanopenProfile {
@@ -50,7 +51,8 @@ class CanopenDevice : public CanDevice, protected CanopenProfile {
   [[nodiscard]] double nominal_rate_hz() const final { return node_.nominal_rate_hz(); }
   void receive(SimTime now, const protocols::can::Frame& frame) final;
 
-  /// As an SDO would write an object of the dictionary. Why it is not taken; empty: it is.
+  /// Writes an object of the dictionary as an SDO download does. Returns why it is refused; empty
+  /// if it is accepted.
   [[nodiscard]] std::string_view configure(SimTime now, protocols::canopen::ObjectAddress address,
                                            std::int64_t value);
 

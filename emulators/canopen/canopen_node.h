@@ -45,19 +45,20 @@ namespace rigwire::emulators {
 class CanopenProfile {
  public:
   virtual ~CanopenProfile() = default;
-  /// The present value of a read-only entry that is not in the dictionary; else nothing.
+  /// Returns the present value of a read-only entry that is not in the dictionary; else nullopt.
   [[nodiscard]] virtual std::optional<std::int64_t> live(
       protocols::canopen::ObjectAddress address) const = 0;
   /// The text of a string entry.
   [[nodiscard]] virtual std::string_view text(protocols::canopen::ObjectAddress address) const = 0;
-  /// A client writes a value within the entry's limits. Nothing: taken, the dictionary holds it.
+  /// Handles a client's write of a value within the entry's limits. Returns nullopt if it is
+  /// accepted; then the dictionary holds the value.
   [[nodiscard]] virtual std::optional<protocols::canopen::SdoAbort> write(
       protocols::canopen::ObjectAddress address, std::int64_t value) = 0;
 };
 
 struct CanopenNodeSettings {
   std::uint8_t node_id = 1;        ///< At delivery: 1..127; kNoNodeId: LSS gives it one.
-  std::uint32_t bit_rate_bps = 0;  ///< Of its bus, for LSS; 0: confirms none.
+  std::uint32_t bit_rate_bps = 0;  ///< Bit rate of its bus, for LSS; 0: confirms none.
   Duration boot = std::chrono::milliseconds{200};  ///< From power-on to the boot-up message.
   Duration processing_delay = std::chrono::microseconds{200};  ///< From an event to the frame.
   bool starts_itself = false;  ///< Operational without a master's command.
@@ -69,13 +70,13 @@ class CanopenNode final : private SdoObjects, private LssNode {
   CanopenNode(const CanopenNodeSettings& settings, ObjectDictionary& dictionary,
               CanopenProfile& profile, NonvolatileMemory& memory, FrameOutput& output);
 
-  /// Once, when the dictionary holds what is delivered: what object 1021 gives. Identity, texts and
-  /// values are the dictionary's and the profile's.
+  /// Sets what object 1021 returns. To be called once, when the dictionary holds the values at
+  /// delivery. Identity, texts and values are the dictionary's and the profile's.
   void describe(const std::string& file, const std::string& description,
                 const std::string& vendor_name);
   [[nodiscard]] const std::string& electronic_data_sheet() const { return eds_; }
 
-  /// The supply comes or goes. The node is off when made.
+  /// Switches the supply on or off. The node is off when constructed.
   void power(SimTime now, bool on);
 
   void advance(SimTime now);
@@ -83,7 +84,7 @@ class CanopenNode final : private SdoObjects, private LssNode {
   void receive(SimTime now, const protocols::can::Frame& frame);
   /// A mappable object may have another value now.
   void changed(SimTime now);
-  /// As an SDO would write it. Why it is not taken; empty: it is.
+  /// Writes an object as an SDO download does. Returns why it is refused; empty if it is accepted.
   [[nodiscard]] std::string_view configure(SimTime now, protocols::canopen::ObjectAddress address,
                                            std::int64_t value);
   /// A new error (code other than 0) or none any more.
@@ -97,18 +98,19 @@ class CanopenNode final : private SdoObjects, private LssNode {
   /// In force; protocols::canopen::kNoNodeId: none.
   [[nodiscard]] std::uint8_t node_id() const override { return node_id_; }
   [[nodiscard]] const ReceiveCounters& received() const { return received_; }
-  /// Frames with an identifier that is this node's own to send: somebody has the same node-ID.
+  /// Returns the number of received frames whose identifier only this node may send: another node
+  /// has the same node-ID.
   [[nodiscard]] std::uint64_t duplicates() const { return duplicates_; }
   /// PDOs on timers and heartbeats per second, as set and operational.
   [[nodiscard]] double nominal_rate_hz() const;
 
  private:
   struct Pdo {
-    SimTime timer = kNever;    ///< Event timer elapses.
-    SimTime allowed = kStart;  ///< Inhibit time ends.
+    SimTime timer = kNever;    ///< When the event timer elapses.
+    SimTime allowed = kStart;  ///< When the inhibit time ends.
     bool pending = false;      ///< Waits for `allowed`.
-    unsigned syncs = 0;        ///< Since it was sent.
-    std::uint8_t length = 0;   ///< Of what was sent last.
+    unsigned syncs = 0;        ///< SYNCs since it was sent.
+    std::uint8_t length = 0;   ///< Length of the PDO sent last, bytes.
     std::array<std::uint8_t, 8> sent{};
   };
 

@@ -35,7 +35,7 @@
 
 namespace rigwire::emulators {
 
-/// As ifm electronic delivers it: node 10, its first message after each SYNC.
+/// Defaults as delivered by ifm electronic: node 10, its first TPDO after each SYNC.
 struct InclinometerSettings : CanopenDeviceSettings {
   InclinometerSettings()
       : CanopenDeviceSettings{
@@ -82,7 +82,8 @@ class Inclinometer final : public CanopenDevice, public ImuBackend {
   void switched(SimTime now) override;
   void filter(SimTime now, const Force& force);
   [[nodiscard]] double angle_rad(std::size_t axis) const;
-  /// Counts of the present resolution, inverted as told, without offsets.
+  /// Returns the inclination in counts of the present resolution, inverted if so configured,
+  /// without offsets.
   [[nodiscard]] std::int64_t measured(const protocols::canopen::SlopeObjects& slope) const;
   [[nodiscard]] std::int64_t value(const protocols::canopen::SlopeObjects& slope) const;
   [[nodiscard]] std::optional<protocols::canopen::SdoAbort> preset(
@@ -92,8 +93,8 @@ class Inclinometer final : public CanopenDevice, public ImuBackend {
   InclinometerSettings settings_;
   std::array<Quantity, kAxes> quantities_;
   bool settled_ = false;          ///< The filter has had a sample since power-on.
-  SimTime filtered_at_ = kStart;  ///< The sample before.
-  Force input_{};                 ///< Of the filter, held since then.
+  SimTime filtered_at_ = kStart;  ///< Time of the sample before.
+  Force input_{};                 ///< Filter input, held since the sample before.
   Force filtered_{};
   Force up_{0.0, 0.0, 1.0};  ///< The last filtered force that had a direction.
   std::array<bool, kAxes> errors_{};

@@ -63,9 +63,10 @@ class LssSlave {
 
   std::uint8_t pending_ = protocols::canopen::kNoNodeId;
   bool configuring_ = false;
-  std::uint8_t selected_ = 0;           ///< Numbers of the identity that matched so far.
-  std::uint8_t identified_ = 0;         ///< Conditions that held so far.
-  std::uint8_t fastscan_position_ = 0;  ///< Of the number that is asked for.
+  std::uint8_t selected_ = 0;    ///< Numbers of the identity that matched so far.
+  std::uint8_t identified_ = 0;  ///< Conditions that held so far.
+  /// Position (LSSSub) of the identity number that is scanned.
+  std::uint8_t fastscan_position_ = 0;
 };
 
 }  // namespace rigwire::emulators

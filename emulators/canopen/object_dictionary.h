@@ -34,17 +34,20 @@ class ObjectDictionary {
   void set(protocols::canopen::ObjectAddress address, std::int64_t value) {
     values_[row(address)] = value;
   }
-  /// The entries that hold it follow: at delivery and, unless a client set them, at present.
+  /// Updates the entries that contain the node-ID: their values at delivery and, unless a client
+  /// set them, their present values.
   void set_node_id(std::uint8_t node_id);
-  /// As an electronic data sheet (protocols/canopen/eds.h) has it, of a number.
+  /// Returns the delivered value of a numeric entry as an electronic data sheet
+  /// (protocols/canopen/eds.h) writes it.
   [[nodiscard]] std::string delivered_text(const protocols::canopen::ObjectEntry& entry) const;
-  /// What the entry is at delivery from now on; also sets it.
+  /// Sets the value of an entry at delivery, and its present value.
   void set_delivered(protocols::canopen::ObjectAddress address, std::int64_t value);
 
-  /// What to keep, to hand to load(). An entry that follows the node-ID is left out while it does.
+  /// Returns the values to keep, to be passed to load(). An entry that follows the node-ID is left
+  /// out while it does.
   [[nodiscard]] std::vector<std::uint8_t> saved() const;
-  /// All entries of `first`..`last` as delivered, then as saved in `block`; what does not fit is
-  /// left as delivered.
+  /// Resets all entries of `first`..`last` to their values at delivery, then applies those saved in
+  /// `block`; a saved value that does not fit is ignored.
   void load(std::span<const std::uint8_t> block, std::uint16_t first, std::uint16_t last);
 
  private:

@@ -33,9 +33,10 @@ struct RotaryEncoderSettings : CanopenDeviceSettings {
                               .sampling = std::chrono::milliseconds{2}} {}
 
   std::uint8_t resolution_bits = 13;  ///< 13..16.
-  std::uint16_t revolutions = 1;      ///< That it tells apart; 1 is a single-turn encoder.
-  bool counter_clockwise = false;     ///< Bit 0 of 6000 at delivery.
-  double offset_rad = 0.0;            ///< Of step 0, on the sample's scale.
+  /// Number of revolutions it distinguishes; 1: single-turn encoder.
+  std::uint16_t revolutions = 1;
+  bool counter_clockwise = false;  ///< Bit 0 of 6000 at delivery.
+  double offset_rad = 0.0;         ///< Angle of step 0, on the sample's scale.
 };
 
 void visit(fields::Visitor& v, RotaryEncoderSettings& p);
@@ -57,7 +58,7 @@ class RotaryEncoder final : public CanopenDevice, public EncoderBackend {
   [[nodiscard]] static std::span<const LiveSetting<RotaryEncoder, RotaryEncoderSettings>>
   live_settings();
 
-  /// As 6004 says it at present.
+  /// Returns the present value of object 6004.
   [[nodiscard]] std::uint32_t position() const { return position_; }
 
  private:

@@ -58,8 +58,8 @@ class SdoServer {
   protocols::canopen::ObjectAddress object_;
   SdoValue value_;
   std::uint32_t announced_ = 0;
-  std::size_t done_ = 0;  ///< Bytes.
-  bool toggle_ = false;   ///< Of the next segment.
+  std::size_t done_ = 0;  ///< Bytes transferred so far.
+  bool toggle_ = false;   ///< Toggle bit of the next segment.
 };
 
 }  // namespace rigwire::emulators

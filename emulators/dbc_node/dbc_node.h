@@ -109,16 +109,16 @@ class DbcNode final : public CanDevice, public dbc_node_details::Face<Backend> {
     follow(sample.time);
   }
 
-  /// What goes wrong with its messages, and its supply.
+  /// Returns the faults of its messages and its supply.
   [[nodiscard]] DbcTraffic& faults() { return traffic_; }
   [[nodiscard]] Supply& supply() { return traffic_.supply(); }
   [[nodiscard]] Pace& pace() { return traffic_.pace(); }
   [[nodiscard]] const DbcTraffic& traffic() const { return traffic_; }
 
  private:
-  /// What it moves is what the traffic asks for at present.
+  /// Copies the values that the traffic requests at present into the command.
   void follow([[maybe_unused]] SimTime now) {
-    // Of a receiver nothing can be moved: its command stays as it is.
+    // A receiver has nothing to move: its command stays unchanged.
     if constexpr (!std::is_same_v<typename Of::Command, NoCommand>) {
       typename Backend::Command command;
       for (std::size_t i = 0; i < traffic_.moved().size(); ++i) {

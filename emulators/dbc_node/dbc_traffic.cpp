@@ -30,12 +30,12 @@ bool is_checked(const DbcSource& source) {
   return std::holds_alternative<DbcCounter>(source) || std::holds_alternative<DbcSum>(source);
 }
 
-/// Where a checksum sits: its byte.
+/// Returns the index of the byte that holds a checksum.
 std::size_t byte_of(const can::Coding& layout) {
   return layout.bit / 8U;
 }
 
-/// Of a counter that goes through its signal's limits.
+/// Returns the next value of a counter that runs through its signal's limits.
 std::uint64_t next_count(const can::Coding& layout, std::uint64_t raw) {
   const std::uint64_t last = can::to_raw(layout, layout.upper);
   return raw >= last ? can::to_raw(layout, layout.lower) : raw + 1;
@@ -97,8 +97,8 @@ DbcTraffic::DbcTraffic(const DbcNodeSettings& settings, FrameOutput& output)
     state.body.resize(message.layout.length);
     state.raw.resize(signals.size());
     state.filtered.resize(signals.size(), std::numeric_limits<double>::quiet_NaN());
-    // Of one depth those without a source first: where a file has signals on each other, the
-    // others count.
+    // Among signals of equal depth those without a source come first, so that the others win where
+    // the file lets signals overlap.
     const auto rank = [&](std::size_t s) {
       return std::pair(depth(message.layout, s),
                        !std::holds_alternative<DbcHeld>(message.shows[s].source));
@@ -426,7 +426,7 @@ void DbcTraffic::note_changes(SimTime now) {
     if (!settings_.sent[m].on_change || sent_[m].next_extra != kNever) {
       continue;
     }
-    // As the last one would be now: on its page, and without a trace.
+    // Composes the last message as it would be now, on its page, and then restores the state.
     SentState& state = sent_[m];
     raw_scratch_ = state.raw;
     std::swap(state.page, state.shown_page);

@@ -50,9 +50,10 @@ class DbcTraffic final : J1939Application {
   [[nodiscard]] std::uint8_t address() const;
 
   [[nodiscard]] const DbcNodeSettings& settings() const { return settings_; }
-  /// One more fault. Throws std::invalid_argument for a message or signal that it does not have.
+  /// Adds a fault. Throws std::invalid_argument for a message or signal that the node does not
+  /// have.
   DbcNodeFaults::Id begin(const DbcNodeFault& fault);
-  /// As FaultBook::end().
+  /// Ends a fault from `now` on. Returns false if there is none of that number or it is over.
   bool end(DbcNodeFaults::Id id, SimTime now) { return faults_.end(id, now); }
   [[nodiscard]] Supply& supply() { return supply_; }
   [[nodiscard]] Pace& pace() { return pace_; }
@@ -60,21 +61,22 @@ class DbcTraffic final : J1939Application {
  private:
   struct SentState {
     SimTime next_cycle = kNever;
-    SimTime next_extra = kNever;     ///< A frame that is asked for, and waits for its distance.
-    SimTime last = kNever;           ///< When one went out; kNever: none yet.
+    /// When a requested frame, delayed by the minimum distance, is due.
+    SimTime next_extra = kNever;
+    SimTime last = kNever;           ///< When the last one was sent; kNever: none yet.
     bool shown = false;              ///< `body` has been sent.
-    std::vector<std::uint8_t> body;  ///< Of the last one, without counters and checksums.
-    std::vector<std::uint64_t> raw;  ///< By signal: what it shows.
+    std::vector<std::uint8_t> body;  ///< Bytes of the last message, without counters and checksums.
+    std::vector<std::uint64_t> raw;  ///< By signal: raw value shown.
     std::vector<double> filtered;    ///< By signal.
-    std::vector<std::size_t> order;  ///< Of the signals: those that others depend on first.
+    std::vector<std::size_t> order;  ///< Order of encoding: signals that others depend on first.
     std::size_t turning = protocols::can::kNoMultiplexor;  ///< A multiplexor without a source.
     std::vector<std::uint64_t> pages;                      ///< Its values that the file knows.
     std::size_t page = 0;
-    std::size_t shown_page = 0;  ///< Of the last one.
+    std::size_t shown_page = 0;  ///< Page of the last message.
   };
   struct TakenState {
     SimTime expires = kNever;
-    std::vector<std::optional<std::uint64_t>> raw;  ///< By signal; nothing: not yet.
+    std::vector<std::optional<std::uint64_t>> raw;  ///< By signal; nullopt: not yet received.
   };
 
   J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;

@@ -41,11 +41,11 @@ struct CommandQuantity {
   std::string_view name;
   fields::Dimension dimension;
   std::string_view text;
-  double neutral;  ///< What holds without a message.
+  double neutral;  ///< Value without a message.
   void (*set)(Command&, double);
 };
 
-/// Of a backend that commands nothing.
+/// Command type of a backend that has no command.
 struct NoCommand {};
 
 /// By backend: `kName`, what it is called in names; `Command`; its tables.
@@ -108,8 +108,8 @@ struct NamedQuantity {
   std::string_view name;        ///< "angle"
   fields::Dimension dimension;
   std::string_view text;
-  std::size_t index;     ///< In the table of its attachment.
-  double neutral = 0.0;  ///< Of what is moved.
+  std::size_t index;     ///< Row in the table of its attachment.
+  double neutral = 0.0;  ///< Value without a message, for a quantity that is moved.
 
   [[nodiscard]] std::string full_name() const;  ///< "joint.angle"
 };

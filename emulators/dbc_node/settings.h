@@ -26,14 +26,14 @@ inline constexpr std::array<fields::Choice<DbcChecksum>, 4> kDbcChecksums{
      {DbcChecksum::xor8, "xor8", "Exclusive or of the other bytes."},
      {DbcChecksum::crc8_j1850, "crc8_j1850",
       "SAE J1850 over the other bytes: polynomial 0x1D, from 0xFF, inverted."}}};
-/// Over `data` without the byte `at`; `none`: 0.
+/// Returns the checksum over `data` without the byte `at`; 0 for `none`.
 [[nodiscard]] std::uint8_t checksum(DbcChecksum method, std::span<const std::uint8_t> data,
                                     std::size_t at);
 
 // What a signal of a sent message shows.
 struct DbcHeld {};  ///< Its start value.
 struct DbcMeasured {
-  std::size_t quantity = 0;  ///< Of DbcNodeSettings::measured.
+  std::size_t quantity = 0;  ///< Index in DbcNodeSettings::measured.
   double factor = 1.0;       ///< From the quantity's SI unit to the signal's.
   double offset = 0.0;       ///< In the signal's unit.
   Duration filter{0};        ///< Time constant of a first-order low-pass; 0: none.
@@ -42,13 +42,14 @@ struct DbcCounter {};  ///< One more with each frame.
 struct DbcSum {
   DbcChecksum method = DbcChecksum::sum8;
 };
-struct DbcEcho {            ///< What came last in a message that is taken; before it as DbcHeld.
-  std::size_t message = 0;  ///< Of DbcNodeSettings::taken.
-  std::size_t signal = 0;   ///< Of that message's.
+/// Last value received in a taken message; before the first one like DbcHeld.
+struct DbcEcho {
+  std::size_t message = 0;  ///< Index in DbcNodeSettings::taken.
+  std::size_t signal = 0;   ///< Index among that message's signals.
 };
 using DbcSource = std::variant<DbcHeld, DbcMeasured, DbcCounter, DbcSum, DbcEcho>;
 
-/// Of a sent message's signal.
+/// Content of one signal of a sent message.
 struct DbcShown {
   std::uint64_t start_raw = 0;
   DbcSource source;
@@ -68,7 +69,7 @@ struct DbcSentMessage {
 // What a signal of a message that is taken is for.
 struct DbcIgnored {};
 struct DbcMove {
-  std::size_t quantity = 0;  ///< Of DbcNodeSettings::moved.
+  std::size_t quantity = 0;  ///< Index in DbcNodeSettings::moved.
   double factor = 1.0;       ///< From the signal's unit to the quantity's SI unit.
   double offset = 0.0;       ///< In SI, after the factor.
   double safe = 0.0;         ///< In SI: before the first message, and when they stay away.
@@ -90,8 +91,10 @@ struct DbcClaim {
 };
 
 struct DbcNodeSettings {
-  std::vector<std::size_t> measured;  ///< Rows of the attachment's table, as they are used.
-  std::vector<std::size_t> moved;     ///< The same of what it moves; rising, each once.
+  /// Rows of the attachment's table, in the order of their use.
+  std::vector<std::size_t> measured;
+  /// Rows of the table of what it moves; ascending, without repetition.
+  std::vector<std::size_t> moved;
   std::vector<DbcSentMessage> sent;
   std::vector<DbcTakenMessage> taken;
   std::optional<DbcClaim> claim;

@@ -33,11 +33,12 @@ struct EngineControllerSettings {
   IdentificationSettings identification{.model = "engine controller",
                                         .type = "engine",
                                         .vehicle_identification_number = "RGWRE0EX000000001"};
-  EngineData engine;         ///< What the machine says; no key.
-  Duration engine_hours{0};  ///< Of the engine when the run begins.
+  EngineData engine;         ///< Data of the machine's engine; no key.
+  Duration engine_hours{0};  ///< Hours of the engine when the run begins.
   SupplySettings supply;
   Duration processing_delay = std::chrono::microseconds{500};  ///< From an event to its frame.
-  Duration request_timeout = std::chrono::milliseconds{100};   ///< Of TSC1, sent every 10 ms.
+  /// Timeout of TSC1, sent every 10 ms.
+  Duration request_timeout = std::chrono::milliseconds{100};
   bool requires_checksum = false;  ///< Requests without counter and checksum are refused.
 };
 

@@ -98,7 +98,7 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   [[nodiscard]] bool acquiring() const { return acquisition_.running(); }
   /// One more fault; it begins no earlier than the device was advanced to.
   GigeCameraFaults::Id begin(const GigeCameraFault& fault);
-  /// As FaultBook::end().
+  /// Ends a fault like FaultBook::end().
   bool end(GigeCameraFaults::Id id, SimTime now);
 
   [[nodiscard]] Supply& supply() { return supply_; }

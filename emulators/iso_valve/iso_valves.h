@@ -54,8 +54,9 @@ struct IsoValveSettings {
   std::uint16_t manufacturer = 2047;   ///< In the NAME; 11 bits. 2047: no number assigned.
   std::uint8_t function = 255;         ///< In the NAME. 255: not specified.
   IdentificationSettings identification{.model = "valve block", .type = "auxiliary valve control"};
-  std::uint8_t first_valve = 0;              ///< Auxiliary valve of section 1; the others follow.
-  std::uint8_t general_purpose_section = 0;  ///< Of the general-purpose valve, from 1; 0 = none.
+  std::uint8_t first_valve = 0;  ///< Auxiliary valve of section 1; the others follow.
+  /// Section of the general-purpose valve, from 1; 0 = none.
+  std::uint8_t general_purpose_section = 0;
   Duration command_timeout = std::chrono::milliseconds(300);  ///< 100 ms .. 10 s.
   SupplySettings supply;
   Duration processing_delay = std::chrono::microseconds(200);  ///< From an event to its frame.

@@ -76,10 +76,10 @@ struct NtripCasterSettings {
   enum class Version : unsigned char { automatic, first, second };
   Version version = Version::automatic;
   bool chunked = true;  ///< Streams of version 2.
-  std::string user;     ///< Empty: no password is asked for.
+  std::string user;     ///< User name; empty: no password is required.
   std::string password;
   std::vector<CasterFault> faults;
-  std::uint64_t noise_seed = 1;  ///< Of `corrupt`.
+  std::uint64_t noise_seed = 1;  ///< Seed of the fault `corrupt`.
 };
 void visit(fields::Visitor& v, NtripCasterSettings& p);
 
@@ -113,9 +113,9 @@ class NtripCaster final : public StreamDevice {
   [[nodiscard]] const LastRequest& last_request() const { return last_request_; }
   [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return {}; }
-  /// One more fault; it begins no earlier than the caster was advanced to.
+  /// Adds a fault; it begins no earlier than the caster was advanced to.
   FaultBook<CasterFault>::Id begin(const CasterFault& fault) { return faults_.add(fault); }
-  /// As FaultBook::end().
+  /// Ends a fault from `now` on. Returns false if there is none of that number or it is over.
   bool end(FaultBook<CasterFault>::Id id, SimTime now) { return faults_.end(id, now); }
   [[nodiscard]] const NtripCasterCounters& counters() const { return counters_; }
   [[nodiscard]] std::uint64_t frames_sent() const { return frames_sent_; }

@@ -28,7 +28,7 @@ constexpr std::uint16_t kAceinna = 823;
 constexpr std::uint8_t kInertialFunction = 131;
 constexpr Duration kClaimRepeat300 = std::chrono::seconds{1};
 constexpr unsigned kLongestClaimDelay = 31;
-/// Of a trouble message that goes on; the firmware counts 2000 ticks.
+/// Period of a trouble message while the trouble lasts; the firmware counts 2000 ticks.
 constexpr Duration kTroublePeriod = std::chrono::seconds{10};
 constexpr std::uint8_t kMostOccurrences = 126;
 
@@ -49,7 +49,8 @@ Duration claim_delay(const OpenImuSettings& settings) {
   return (ticks == 0 ? kLongestClaimDelay : ticks) * OpenImu::kTick;
 }
 
-/// As the firmware does it rather than SAE J1939-81 (docs/devices/openimu335ri.md).
+/// Returns the address policy of the firmware, which differs from SAE J1939-81
+/// (docs/devices/openimu335ri.md).
 J1939AddressPolicy make_policy(const OpenImuSettings& settings) {
   J1939AddressPolicy policy;
   policy.preferred = settings.source_address;

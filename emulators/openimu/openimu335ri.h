@@ -65,11 +65,12 @@ class OpenImu final : public CanDevice, public ImuBackend {
   [[nodiscard]] std::uint64_t name() const { return address_.name(); }
   [[nodiscard]] std::uint64_t address_conflicts() const { return address_.conflicts(); }
   [[nodiscard]] const OpenImuConfiguration& configuration() const { return configuration_; }
-  /// As of the last "save configuration"; the constructor's until then.
+  /// Returns the configuration of the last "save configuration"; the constructor's until then.
   [[nodiscard]] const OpenImuConfiguration& saved_configuration() const {
     return saved_.configuration;
   }
-  /// Vehicle messages that would aid the 335RI's algorithm; they are taken and change nothing.
+  /// Returns the number of vehicle messages that would aid the 335RI's algorithm; they are accepted
+  /// and change nothing.
   [[nodiscard]] std::uint64_t aiding_messages() const { return aiding_messages_; }
   [[nodiscard]] Supply& supply() { return supply_; }
   [[nodiscard]] Pace& pace() { return pace_; }
@@ -111,15 +112,16 @@ class OpenImu final : public CanDevice, public ImuBackend {
   void send_trouble(SimTime now);
   /// False when it could not be written.
   bool remember();
-  /// False when the group is not one that the device answers.
+  /// Returns false if the device does not answer the group.
   [[nodiscard]] bool answer(SimTime now, std::uint32_t pgn, std::uint8_t requester);
   [[nodiscard]] bool answer_data(SimTime now, std::uint32_t pgn);
   [[nodiscard]] bool answer_status(SimTime now, std::uint32_t pgn);
   [[nodiscard]] bool answer_setting(SimTime now, std::uint32_t pgn, std::uint8_t requester);
-  /// False when the setting is refused.
+  /// Returns false if the setting is refused.
   [[nodiscard]] bool apply(SimTime now, const protocols::openimu::Setting& setting,
                            std::uint8_t requester);
-  /// As if this node had been meant. Why it is not taken; empty: it is.
+  /// Applies a setting as if it were addressed to this node. Returns why it is refused; empty if it
+  /// is accepted.
   [[nodiscard]] std::string_view tell(SimTime now, const protocols::openimu::Setting& setting);
   [[nodiscard]] bool apply_command(SimTime now, const protocols::openimu::Setting& setting,
                                    std::uint8_t requester);

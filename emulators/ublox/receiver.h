@@ -76,7 +76,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
 
   /// One more fault; it begins no earlier than the receiver was advanced to.
   FaultBook<UbloxFault>::Id begin(const UbloxFault& fault) { return faults_.add(fault); }
-  /// As FaultBook::end().
+  /// Ends a fault like FaultBook::end().
   bool end(FaultBook<UbloxFault>::Id id, SimTime now) { return faults_.end(id, now); }
 
   /// Carries out a set of class CFG that another port of the device brings: none of these answers.

@@ -90,7 +90,7 @@ class ValveAmplifier {
   /// One more defect; it begins no earlier than the amplifier was advanced to. Throws
   /// std::invalid_argument for a section that there is not.
   ValveDefects::Id begin(const ValveDefect& defect);
-  /// As FaultBook::end().
+  /// Ends a fault like FaultBook::end().
   bool end(ValveDefects::Id id, SimTime now);
   /// A spool position that is not a number latches fault 6; other quantities that are not numbers
   /// leave what was measured before.

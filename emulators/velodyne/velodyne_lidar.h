@@ -102,7 +102,7 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   /// One more fault; it begins no earlier than the device was advanced to. Throws
   /// std::invalid_argument.
   VelodyneFaults::Id begin(const VelodyneFault& fault);
-  /// As FaultBook::end().
+  /// Ends a fault like FaultBook::end().
   bool end(VelodyneFaults::Id id, SimTime now);
   /// Packets that the faults have swallowed.
   [[nodiscard]] std::uint64_t packets_lost() const { return data_.lost() + position_.lost(); }

@@ -68,10 +68,10 @@ struct MtiSettings {
   std::array<MtiOutput, kMtiOutputs.size()> outputs = kMtiOutputs;
   MtiSampleTime sample_time = MtiSampleTime::ticks_100us;
   bool extended = false;     ///< 29-bit identifiers.
-  double heading_rad = 0.0;  ///< Of the filter at power-on; counter-clockwise from east.
-  double rate_range_radps = 2000.0 * 3.14159265358979323846 / 180.0;  ///< Of the elements.
+  double heading_rad = 0.0;  ///< Heading of the filter at power-on; counter-clockwise from east.
+  double rate_range_radps = 2000.0 * 3.14159265358979323846 / 180.0;  ///< Range of the gyros.
   double acceleration_range_mps2 = 10.0 * 9.80665;
-  double magnetic_reference_t = 48.7e-6;  ///< Field that reads as 1.
+  double magnetic_reference_t = 48.7e-6;  ///< Field strength that is shown as 1.
   double magnetic_range_t = 800e-6;
   double pressure_pa = 101325.0;  ///< Constant: no weather reaches the barometer.
   SupplySettings supply;

@@ -17,10 +17,10 @@
 
 namespace rigwire::emulators {
 
-/// What the registers say of it.
+/// Acquisition settings taken from the registers.
 struct AcquisitionMeans {
   AcquisitionMode mode = AcquisitionMode::continuous;
-  std::uint32_t frames = 1;  ///< Of a multi-frame acquisition.
+  std::uint32_t frames = 1;  ///< Number of frames of a multi-frame acquisition.
   bool triggered = false;
   TriggerSource source = TriggerSource::software;
   Duration trigger_delay{0};

@@ -67,12 +67,12 @@ class Table {
     return add(name, text, std::move(kind), {address, 4, access, {}, selector, kStride, {}},
                Visibility::expert);
   }
-  /// A value in a chunk of eight bytes.
+  /// Adds a value in a chunk of eight bytes.
   void chunk(std::string_view name, std::string_view text, FeatureKind kind, CameraChunk chunk) {
     add(name, text, std::move(kind), {0, 8, Access::read_only, {}, {}, 0, chunk_id(chunk)},
         Visibility::expert);
   }
-  /// Of no category.
+  /// Adds a register that belongs to no category.
   void hidden(std::string_view name, std::string_view text, FeatureKind kind, std::uint32_t address,
               std::uint32_t length = 4) {
     reading(name, text, std::move(kind), address, length, Visibility::invisible).category = {};

@@ -125,7 +125,7 @@ struct CameraComponent {
   std::uint8_t source = 0;
   bool CameraCommand::*wanted = &CameraCommand::intensity;
 };
-/// Of a kind of camera, in the order of its pictures' parts.
+/// Returns the components of a kind of camera, in the order of its pictures' parts.
 [[nodiscard]] std::vector<CameraComponent> camera_components(GigeCameraKind kind);
 
 [[nodiscard]] protocols::gige_vision::PixelFormatCode pixel_format_code(PixelFormat format);

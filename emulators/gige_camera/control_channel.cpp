@@ -15,7 +15,7 @@ using gev::Status;
 
 constexpr std::uint32_t kBroadcast = 0xFFFF'FFFF;
 
-/// Of an answer that reads.
+/// Begins the acknowledge of a read command.
 GvcpPacket begin(CommandCode command, std::uint16_t request, Status status = Status::success) {
   return gev::begin_acknowledge(status, gev::acknowledge_code(static_cast<std::uint16_t>(command)),
                                 request);

@@ -52,14 +52,14 @@ class ControlChannel {
   void receive(SimTime now, const UdpEnd& from, std::span<const std::uint8_t> datagram);
   /// Ends the control of an application that has been silent for too long.
   void advance(SimTime now);
-  /// When that will be, if it stays silent.
+  /// Returns when that will be, if it stays silent.
   [[nodiscard]] SimTime next_event() const;
 
-  /// The device has found CCP written by the command in work, and asks whether it may be.
+  /// Called when the command in work has written CCP. Returns whether the write is permitted.
   [[nodiscard]] Status privilege_written(SimTime now, std::uint32_t value);
-  /// As if the primary application had gone.
+  /// Ends the control as if the primary application had gone.
   void end_control(SimTime now);
-  /// Power-on: what was answered is not known any more.
+  /// Forgets the answers kept for repeated commands (power-on).
   void forget() { answered_ = {}; }
   [[nodiscard]] const std::optional<UdpEnd>& primary() const { return primary_; }
   [[nodiscard]] const ReceiveCounters& received() const { return received_; }
@@ -106,8 +106,8 @@ class ControlChannel {
   const CameraAddress& permitted_;
 
   std::optional<UdpEnd> primary_;
-  UdpEnd requester_;  ///< Of the command in work.
-  SimTime heard_{};   ///< From the primary application, last.
+  UdpEnd requester_;  ///< Sender of the command in work.
+  SimTime heard_{};   ///< When the primary application was last heard from.
   std::array<Answered, 4> answered_;
   std::size_t next_answered_ = 0;
   ReceiveCounters received_;

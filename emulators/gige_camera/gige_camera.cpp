@@ -41,7 +41,7 @@ constexpr std::uint32_t kConfigurationBits =
 constexpr std::uint32_t kIpConfigurations =
     gev::IpConfiguration::kPersistent | gev::IpConfiguration::kLinkLocal;
 
-/// Of a chunk's value, and of the tags around it.
+/// Size of a chunk's value, and of the tags around it.
 constexpr std::size_t kChunkValueBytes = 8;
 
 std::uint32_t chunk_enable_register(CameraChunk chunk) {

@@ -48,12 +48,12 @@
 namespace rigwire::emulators {
 
 struct GigeCameraCounters {
-  std::uint64_t pictures = 0;          ///< Of the acquisition, from the sensor.
-  std::uint64_t late_pictures = 0;     ///< Of these, after the time of processing.
-  std::uint64_t skipped_pictures = 0;  ///< That the sensor had no time for.
-  std::uint64_t ignored_triggers = 0;  ///< That came too early or for nobody.
-  std::uint64_t lost_triggers = 0;     ///< By a fault.
-  std::uint64_t lost_datagrams = 0;    ///< By a fault, in and out.
+  std::uint64_t pictures = 0;          ///< Pictures received from the sensor while acquiring.
+  std::uint64_t late_pictures = 0;     ///< Those of them that came after the processing time.
+  std::uint64_t skipped_pictures = 0;  ///< Exposures skipped because the sensor was busy.
+  std::uint64_t ignored_triggers = 0;  ///< Triggers too early or while not acquiring.
+  std::uint64_t lost_triggers = 0;     ///< Triggers lost by a fault.
+  std::uint64_t lost_datagrams = 0;    ///< Datagrams lost by a fault, in and out.
   StreamCounters stream;
 };
 
@@ -185,16 +185,16 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   RandomBits trigger_faults_;
 
   SimTime now_{};
-  SimTime time_zero_{};  ///< Of the time stamps.
+  SimTime time_zero_{};  ///< Zero of the time stamps.
   Acquisition acquisition_;
   SamplePlan plan_;
   CameraCommand command_;
-  Duration asked_exposure_{0};  ///< By a client, or what the camera had chosen last.
+  Duration asked_exposure_{0};  ///< Set by a client, or the camera's last choice.
   double asked_gain_db_ = 0.0;
-  Duration stuck_exposure_{0};  ///< In force while the exposure is stuck.
+  Duration stuck_exposure_{0};  ///< Exposure while it is stuck.
   std::shared_ptr<const Picture> last_picture_;
-  std::size_t bytes_per_exposure_ = 0;     ///< Of all components that are sent.
-  std::uint32_t command_packet_size_ = 0;  ///< In force.
+  std::size_t bytes_per_exposure_ = 0;     ///< Bytes of all components that are sent.
+  std::uint32_t command_packet_size_ = 0;  ///< Packet size in force.
   std::uint32_t chunk_layout_ = 1;
   bool reset_asked_ = false;
   std::uint32_t address_changes_ = 0;

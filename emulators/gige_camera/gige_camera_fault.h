@@ -19,7 +19,7 @@ namespace rigwire::emulators {
 struct LostStreamPacketsFault {
   static constexpr fields::Named kNamed{"lost", "Packets of the stream are lost."};
 
-  double share = 0.01;  ///< Of each packet, resent ones too.
+  double share = 0.01;  ///< Probability per packet, resent ones too.
   Duration ramp{0};
 
   void grow(double of_it) { share *= of_it; }
@@ -28,7 +28,7 @@ struct SwappedStreamPacketsFault {
   static constexpr fields::Named kNamed{"swapped",
                                         "Packets of the stream change places with the next."};
 
-  double share = 0.01;  ///< Of each packet.
+  double share = 0.01;  ///< Probability per packet.
   Duration ramp{0};
 
   void grow(double of_it) { share *= of_it; }
@@ -36,7 +36,7 @@ struct SwappedStreamPacketsFault {
 struct DuplicatedStreamPacketsFault {
   static constexpr fields::Named kNamed{"repeated", "Packets of the stream arrive twice."};
 
-  double share = 0.01;  ///< Of each packet.
+  double share = 0.01;  ///< Probability per packet.
   Duration ramp{0};
 
   void grow(double of_it) { share *= of_it; }
@@ -47,7 +47,7 @@ struct LinkDownFault {
 struct LostTriggerFault {
   static constexpr fields::Named kNamed{"lost_trigger", "Triggers make no exposure."};
 
-  double share = 1.0;  ///< Of each trigger, by software or by the line.
+  double share = 1.0;  ///< Probability per trigger, by software or by the line.
   Duration ramp{0};
 
   void grow(double of_it) { share *= of_it; }

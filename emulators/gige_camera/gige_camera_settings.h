@@ -27,7 +27,7 @@ enum class GigeCameraKind : std::uint8_t {
 struct CameraLine {
   Duration first{0};   ///< From the start of the run to the first pulse.
   Duration period{0};  ///< 0: the line is low for ever.
-  Duration width = std::chrono::microseconds{100};  ///< Of a pulse.
+  Duration width = std::chrono::microseconds{100};  ///< Length of a pulse.
 
   /// Whether the line is high.
   [[nodiscard]] bool level(SimTime now) const {
@@ -69,15 +69,16 @@ struct GigeCameraSettings {
   std::string serial_number = "1";   ///< At most 15 bytes.
   std::string user_name;             ///< At most 15 bytes, until a client writes another one.
 
-  /// Locally administered, so that it is nobody's.
+  /// Locally administered, so that no vendor owns it.
   protocols::gige_vision::MacAddress mac{0x02, 0x52, 0x57, 0x00, 0x00, 0x01};
   CameraAddress address;
-  /// Who is answered and where streams may go: hosts of this network alone, none by broadcast.
+  /// Network of the hosts that are answered and to which streams may go; broadcasts are not
+  /// answered.
   CameraAddress permitted{0x7F00'0001, 0xFF00'0000, 0};
 
-  int width = 640;   ///< Of the sensor, pixels; a multiple of 8.
-  int height = 480;  ///< Of the sensor, pixels; a multiple of 4.
-  /// Of the image; the first is in force at power-on.
+  int width = 640;   ///< Width of the sensor, pixels; a multiple of 8.
+  int height = 480;  ///< Height of the sensor, pixels; a multiple of 4.
+  /// Pixel formats of the image; the first is in force at power-on.
   std::vector<PixelFormat> formats{PixelFormat::mono8, PixelFormat::mono10, PixelFormat::mono12};
   bool binning = true;  ///< Whether the sensor can join 2 by 2 pixels.
   Duration row_time = std::chrono::microseconds{10};  ///< To read one row out.
@@ -106,7 +107,7 @@ struct GigeCameraSettings {
 
   std::vector<GigeCameraFault> faults;
   std::vector<SupplyFault> supply_faults;
-  std::uint64_t seed = 1;  ///< Of the faults that have a probability.
+  std::uint64_t seed = 1;  ///< Seed of the faults that have a probability.
 };
 
 /// Keys of the camera's own; network, and what its sensor is, come from elsewhere.

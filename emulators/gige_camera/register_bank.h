@@ -54,7 +54,7 @@ class RegisterBank {
   void set_real(std::uint32_t address, double value);
   /// Up to the first zero.
   [[nodiscard]] std::string_view text(std::uint32_t address) const;
-  /// Cut off where it does not fit beside a final zero.
+  /// Writes the text, truncated to leave room for a final zero.
   void set_text(std::uint32_t address, std::string_view text);
 
   // --- The client's side. Precondition: addresses and sizes are multiples of 4.
@@ -62,7 +62,7 @@ class RegisterBank {
   Status read(std::uint32_t address, std::span<std::uint8_t> out, RegisterOwner& owner);
   struct Written {
     Status status = Status::success;
-    std::size_t bytes = 0;  ///< That took effect before an error.
+    std::size_t bytes = 0;  ///< Bytes that took effect before an error.
   };
   Written write(std::uint32_t address, std::span<const std::uint8_t> bytes, RegisterOwner& owner);
 

@@ -25,11 +25,11 @@
 namespace rigwire::emulators {
 
 struct StreamCounters {
-  std::uint64_t blocks = 0;       ///< Sent to their end.
-  std::uint64_t lost_blocks = 0;  ///< Of exposures that found the queue full.
-  std::uint64_t packets = 0;      ///< Sent, with those sent again.
+  std::uint64_t blocks = 0;       ///< Blocks sent completely.
+  std::uint64_t lost_blocks = 0;  ///< Blocks of exposures lost because the queue was full.
+  std::uint64_t packets = 0;      ///< Packets sent, including resent ones.
   std::uint64_t resent_packets = 0;
-  std::uint64_t refused_resends = 0;  ///< Requests for what is not there.
+  std::uint64_t refused_resends = 0;  ///< Resend requests for packets that are not available.
 };
 
 class StreamChannel {
@@ -111,10 +111,10 @@ class StreamChannel {
   double limit_bytes_per_s_ = 0.0;
 
   std::uint64_t next_number_ = 1;
-  std::uint64_t queued_ = 0;     ///< Blocks so far.
-  std::uint64_t sent_ = 0;       ///< Of them, to their ends.
-  std::uint64_t forgotten_ = 0;  ///< Of those.
-  std::uint64_t exposures_ = 0;  ///< Queued so far.
+  std::uint64_t queued_ = 0;     ///< Blocks queued so far.
+  std::uint64_t sent_ = 0;       ///< Blocks sent completely.
+  std::uint64_t forgotten_ = 0;  ///< Sent blocks that are no longer retained.
+  std::uint64_t exposures_ = 0;  ///< Exposures queued so far.
   SimTime free_at_{};            ///< When the next packet can leave.
   StreamCounters counters_;
 };

@@ -27,15 +27,15 @@ class EngineReport {
   /// Adds up the engine's hours and revolutions since the sample before.
   void take(SimTime time, const EngineSample& sample);
 
-  /// The frame of group `pgn`, if it is one of these. Without a sample everything but the hours is
-  /// not available.
+  /// Returns the frame of group `pgn`, if it is one of these. Without a sample everything but the
+  /// hours is not available.
   [[nodiscard]] std::optional<protocols::can::Frame> frame(std::uint32_t pgn, std::uint8_t source,
                                                            const EngineSample* sample) const;
 
-  /// What the cylinders make, of the reference torque (SPN 513); not available for an engine
-  /// without one.
+  /// Returns the torque of the cylinders as a share of the reference torque (SPN 513); not
+  /// available for an engine without one.
   [[nodiscard]] double torque_share(const EngineSample& sample) const;
-  /// The same, of the most that they could make at this speed (SPN 92).
+  /// Returns the torque of the cylinders as a share of the maximum at this speed (SPN 92).
   [[nodiscard]] static double load_share(const EngineSample& sample);
 
   /// Sends EC1 where it is due in tick `tick` of 10 ms, or was while another message of that length

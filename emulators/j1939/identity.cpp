@@ -8,7 +8,7 @@ using fields::IntegerRule;
 
 namespace {
 
-/// Of a field that "*" ends.
+/// Returns whether `value` can be sent as a field that ends with "*".
 bool is_field(const std::string& value) {
   constexpr std::size_t kGreatest = 32;
   return value.size() <= kGreatest &&

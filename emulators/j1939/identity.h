@@ -1,4 +1,4 @@
-// Who a J1939 node is, as keys: by its NAME, and by the texts that it answers when it is asked.
+// Settings of a J1939 node's identity: its NAME, and the texts of its identification messages.
 //
 // Values of the NAME: ISO 11783-1, annex, and SAE J1939 annex B as isobus.net and AgIsoStack have
 // them. A function below 128 means the same in every industry group and device class; from 128 on
@@ -39,12 +39,13 @@ void visit(fields::Visitor& v, J1939NameSettings& p);
 struct IdentificationSettings {
   std::string make = "Rigwire";
   std::string model{};
-  std::string unit_number{};  ///< Of the machine that it belongs to.
+  std::string unit_number{};  ///< Number of the machine that it belongs to.
   std::string software = "1.0";
   std::string part_number{};
   std::string type{};      ///< What kind of unit it is: "tractor ECU".
   std::string hardware{};  ///< Its revision.
-  /// Of the whole machine: 17 letters (no I, O, Q) and digits; empty: it knows none.
+  /// Vehicle identification number: 17 letters (no I, O, Q) and digits; empty: not known to this
+  /// node.
   std::string vehicle_identification_number{};
 
   friend bool operator==(const IdentificationSettings&, const IdentificationSettings&) = default;

@@ -30,9 +30,9 @@ struct J1939AddressPolicy {
   bool arbitrary_address = false;
   SimTime first_claim = kStart;
   Duration answer_delay{0};  ///< From an event to the frame.
-  // As the standard has it, unless the device's firmware is known to do otherwise.
-  bool silent_after_claim = true;  ///< For 250 ms, with an address that asks for it.
-  bool says_cannot_claim = true;   ///< Else it just falls silent.
+  // The defaults follow the standard; firmware that is known to differ changes them.
+  bool silent_after_claim = true;  ///< For 250 ms, if the address requires it.
+  bool says_cannot_claim = true;   ///< False: stops sending without a message.
   Duration repeat{0};              ///< The claim is repeated for ever at this period; 0: never.
   Duration reclaim_delay{0};       ///< From the loss of an address to the claim of another.
   bool gives_way = false;          ///< Before its own claim, even to a higher NAME.
@@ -44,10 +44,10 @@ class J1939Address {
 
   J1939Address(const J1939AddressPolicy& policy, FrameOutput& output);
 
-  /// Forgets whom it has heard; claims `preferred` at `first_claim` (kNever: switched off).
+  /// Forgets the other nodes; claims `preferred` at `first_claim` (kNever: switched off).
   void restart(std::uint8_t preferred, SimTime first_claim);
 
-  /// Of one that is switched off: claims its address then, beside what it has heard of others.
+  /// Sets the first claim of a node that is switched off; keeps what it knows of others.
   void claim_at(SimTime first_claim) { next_ = first_claim; }
 
   void advance(SimTime now);

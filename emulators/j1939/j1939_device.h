@@ -35,7 +35,7 @@ class J1939Device : public CanDevice, J1939Application {
     node_.controller(now, report);
   }
 
-  /// As a commanded address (J1939-81) would send it there. Why it does not move; empty: it does.
+  /// Executes a commanded address (J1939-81). Returns why it is refused; empty if it is accepted.
   [[nodiscard]] std::string_view command_address(SimTime now, std::uint8_t address) {
     advance(now);
     return refusal_.holds(now) ? "it refuses whatever would change it"
@@ -63,7 +63,7 @@ class J1939Device : public CanDevice, J1939Application {
   /// cause. `output` must outlive the device.
   J1939Device(const protocols::j1939::Name& name, std::uint8_t preferred,
               const SupplySettings& supply, Duration delay, FrameOutput& output);
-  /// Of node and supply; for the device's own next_event() and advance().
+  /// Returns the next event of node and supply; for the device's own next_event() and advance().
   [[nodiscard]] SimTime next_node_event() const {
     return std::min(node_.next_event(), supply_.next_change());
   }

@@ -71,17 +71,17 @@ class J1939Node final : J1939TransportSink {
   /// itself and the node to `now`.
   void receive(SimTime now, const protocols::can::Frame& frame);
 
-  /// What the node's controller announces (CanDevice::controller()).
+  /// Handles a report of the node's controller (CanDevice::controller()).
   void controller(SimTime now, const protocols::can::ControllerReport& report) {
     if (report.restarted) {
       address_.on_restart(now);
     }
   }
 
-  /// As a commanded address would send it there. Why it does not move; empty: it does.
+  /// Executes a commanded address (J1939-81). Returns why it is refused; empty if it is accepted.
   [[nodiscard]] std::string_view command_address(SimTime now, std::uint8_t address);
 
-  /// A frame as it is, due the answer delay after `now`. Precondition: held().
+  /// Sends a frame unchanged, due the answer delay after `now`. Precondition: held().
   void send(SimTime now, const protocols::can::Frame& frame);
   /// A message of 0 .. 1785 bytes from this node: one frame up to eight bytes, else by transport to
   /// identifier.destination. False, and nothing is sent, without an address or while another long

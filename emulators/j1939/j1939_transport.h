@@ -60,7 +60,7 @@ struct J1939TransportSettings {
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const J1939TransportSettings& settings);
 
-/// Who gets the messages of others.
+/// Receiver of the messages of other nodes.
 class J1939TransportSink {
  public:
   virtual ~J1939TransportSink() = default;
@@ -115,10 +115,10 @@ class J1939Transport {
     protocols::j1939::Identifier identifier;
     std::uint16_t size = 0;
     std::uint16_t next = 1;  ///< Number of the packet to send.
-    std::uint16_t last = 0;  ///< Of the portion.
-    std::uint16_t sent = 0;  ///< Greatest number ever.
+    std::uint16_t last = 0;  ///< Last packet of the portion.
+    std::uint16_t sent = 0;  ///< Highest packet number sent so far.
     unsigned repetitions = 0;
-    SimTime due = kNever;  ///< Next packet, or end of patience.
+    SimTime due = kNever;  ///< When the next packet is due, or the timeout.
     Bytes bytes{};
 
     [[nodiscard]] bool broadcast() const {
@@ -130,11 +130,11 @@ class J1939Transport {
     bool open = false;
     protocols::j1939::Identifier identifier;  ///< Its source is the other node.
     std::uint16_t size = 0;
-    std::uint16_t next = 1;    ///< Number of the packet that is missing.
-    std::uint16_t last = 0;    ///< Of the portion granted; broadcast: of the message.
-    std::uint8_t portion = 1;  ///< Greatest.
+    std::uint16_t next = 1;    ///< Number of the next expected packet.
+    std::uint16_t last = 0;    ///< Last packet granted; broadcast: last packet of the message.
+    std::uint8_t portion = 1;  ///< Max packets per portion.
     unsigned repetitions = 0;
-    SimTime due = kNever;  ///< End of patience.
+    SimTime due = kNever;  ///< When the timeout ends.
     Bytes bytes{};
 
     [[nodiscard]] bool broadcast() const {

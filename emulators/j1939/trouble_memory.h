@@ -25,10 +25,10 @@ class TroubleMemory {
   static constexpr Duration kTick = std::chrono::milliseconds{10};
   static constexpr std::uint64_t kPeriodTicks = 100;
   static constexpr std::uint64_t kPhaseTicks = 50;
-  /// Of DM1 while nothing changes.
+  /// Rate of DM1 while nothing changes.
   static constexpr double kRate_hz = 1.0 / to_seconds(kPeriodTicks * kTick);
 
-  /// What can be wrong.
+  /// A kind of trouble.
   struct Kind {
     std::uint32_t spn;
     protocols::vehicle::FailureMode mode;
@@ -44,14 +44,14 @@ class TroubleMemory {
   /// Below, kinds are known by their place.
   explicit TroubleMemory(std::span<const Kind> kinds);
 
-  /// Each time that a kind becomes active is an occurrence.
+  /// Sets whether a kind is active. Each change to active counts as an occurrence.
   void set(std::size_t kind, bool active);
   [[nodiscard]] bool is_active(std::size_t kind) const { return entries_[kind].active; }
 
   [[nodiscard]] Codes active() const { return select(true); }
-  /// Those that were and are no longer.
+  /// Returns the trouble codes that were active and no longer are.
   [[nodiscard]] Codes previous() const { return select(false); }
-  /// As at power-up: what was active was.
+  /// Restores the state at power-up: active codes become previously active ones.
   void restart();
   void clear_active();
   void clear_previous();

@@ -33,7 +33,7 @@ inline constexpr std::array<fields::Choice<ModbusWire>, 2> kModbusWires{
     {{ModbusWire::tcp, "tcp", "A TCP server."},
      {ModbusWire::rtu, "rtu", "A serial line on a pty, RTU."}}};
 
-/// Which requests a fault concerns by what they touch.
+/// Table that a request must access for a fault to affect it.
 enum class ModbusFaultTable : std::uint8_t { any, coils, discrete_inputs, holding, input };
 
 struct ModbusFaultScope {
@@ -41,7 +41,7 @@ struct ModbusFaultScope {
   ModbusFaultTable table = ModbusFaultTable::any;
   std::uint16_t first = 0;
   std::uint16_t last = 65535;  ///< Included.
-  double share = 1.0;          ///< Of the requests, each by itself, (0, 1].
+  double share = 1.0;          ///< Share of the requests, drawn independently, (0, 1].
 
   friend bool operator==(const ModbusFaultScope&, const ModbusFaultScope&) = default;
 };
@@ -184,12 +184,12 @@ class ModbusFaultSchedule {
   /// `request` is null when the PDU was not understood: faults with registers do not concern it.
   [[nodiscard]] ModbusFaultEffects effects(SimTime now, std::uint8_t unit,
                                            const protocols::modbus::Request* request);
-  /// Lays stuck values over what was read of `table` from `address` on.
+  /// Replaces stuck values among those that were read of `table` from `address` on.
   void hold_stuck(SimTime now, std::uint8_t unit, protocols::modbus::Table table,
                   std::uint16_t address, std::span<std::uint16_t> values);
-  /// Of the whole line.
+  /// Returns whether a parity mismatch holds; it affects the whole line.
   [[nodiscard]] bool parity_mismatch(SimTime now) const;
-  /// Turns bits over in place, when a noise fault holds.
+  /// Inverts bits in place while a noise fault holds.
   void disturb(SimTime now, std::span<std::uint8_t> bytes);
   void fill_junk(std::span<std::uint8_t> bytes);
 

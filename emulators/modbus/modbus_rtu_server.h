@@ -33,7 +33,7 @@ struct ModbusRtuSettings {
   RtuFramerSettings line{};
   ResponseDelaySettings response_delay{};
   std::vector<ModbusFault> faults{};
-  std::uint64_t seed = 1;  ///< Of delays and faults.
+  std::uint64_t seed = 1;  ///< Seed of delays and faults.
 };
 /// Throws std::invalid_argument.
 void validate(const ModbusRtuSettings& settings);

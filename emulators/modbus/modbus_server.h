@@ -45,7 +45,7 @@ struct ModbusServerSettings {
   std::size_t transactions_max = 16;  ///< Unanswered requests per connection, 1 .. 16.
   Duration idle_timeout{0};           ///< 0 = never, 1 s .. 24 h.
   std::vector<ModbusFault> faults{};
-  std::uint64_t seed = 1;  ///< Of delays and faults.
+  std::uint64_t seed = 1;  ///< Seed of delays and faults.
 };
 /// Without the response delay, which both kinds of line have.
 void visit(fields::Visitor& v, ModbusServerSettings& p);
@@ -59,7 +59,7 @@ class AnswerQueue {
  public:
   struct Item {
     SimTime due{};
-    std::uint64_t order = 0;  ///< Of equal instants the one that was put in first leaves first.
+    std::uint64_t order = 0;  ///< Number of entry; at equal times the lowest leaves first.
     ConnectionId connection = 0;
     bool close = false;  ///< Ends the connection; has no bytes.
     std::size_t size = 0;

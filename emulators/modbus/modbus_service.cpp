@@ -116,7 +116,7 @@ struct Dispatcher {
   }
 
   Response operator()(const ReadDeviceIdentification& request) const {
-    // Which objects an access code covers (table in section 6.21).
+    // Last object of each access code (table in section 6.21).
     constexpr std::uint8_t kLastBasic = 0x02;
     constexpr std::uint8_t kLastRegular = 0x7F;
     constexpr std::uint8_t kRegularStreamAndIndividual = 0x82;
@@ -161,7 +161,7 @@ struct Dispatcher {
   }
 };
 
-/// Of broadcast requests only those that ask for no answer's content.
+/// Returns whether a request is executed as a broadcast: only those whose answer has no content.
 bool writes_only(const Request& request) {
   return std::holds_alternative<WriteCoil>(request) ||
          std::holds_alternative<WriteRegister>(request) ||

@@ -102,11 +102,11 @@ class ModbusService {
     std::uint8_t number = 0;
     ModbusUnit* unit = nullptr;
     SerialDiagnostics diagnostics;
-    std::uint32_t starts = 1;  ///< Of the unit, when the diagnostics began.
+    std::uint32_t starts = 1;  ///< Starts of the unit when its diagnostics began.
   };
 
   [[nodiscard]] const Unit* find(std::uint8_t number) const;
-  /// Whether it has supply; its counters are those since it came.
+  /// Returns whether the unit has supply. Its counters restart when the supply comes.
   [[nodiscard]] static bool alive(Unit& unit);
   void refuse(Unit& unit, std::uint8_t function, protocols::modbus::ExceptionCode code,
               bool wrong_length, ModbusAnswer& answer);

@@ -42,7 +42,7 @@ class UbloxBaseStation {
   std::optional<std::array<double, 3>> place_E_m_;
   UbloxSurvey survey_;
   SimTime begun_ = kNever;
-  double squares_m2_ = 0.0;  ///< Of the positions' accuracies.
+  double squares_m2_ = 0.0;  ///< Mean square of the positions' accuracies.
   bool warned_ = false;
 };
 

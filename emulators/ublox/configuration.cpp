@@ -213,7 +213,7 @@ bool UbloxConfiguration::second_enabled(GnssSystem system) const {
   return enabled(system) && (flags_of(system) >> bit & 1U) != 0;
 }
 
-/// Of CFG-GNSS; 0 where the type does not have the system.
+/// Returns the flags of the system in CFG-GNSS; 0 if the type does not have the system.
 std::uint32_t UbloxConfiguration::flags_of(GnssSystem system) const {
   const auto systems = std::span(present_.systems).first(profile_->systems.size());
   const auto found =

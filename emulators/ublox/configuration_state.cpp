@@ -195,7 +195,8 @@ UbloxConfigurationState default_state(const UbloxSettings& settings) {
   return s;
 }
 
-// As a NEO-M9N answers (pyubx2's examples); the masks that R28, C.11, calls 1 are among them.
+// Values that a NEO-M9N answers (pyubx2's examples); they include the masks that R28, C.11, sets to
+// 1.
 void set_modern_expert(CfgNavx5& expert) {
   expert.mask1 = 0xFFFF;
   expert.mask2 = 0x0000'03BF;

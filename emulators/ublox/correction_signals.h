@@ -1,5 +1,5 @@
-// Which signals a u-blox receiver takes from and puts into RTCM 3 multiple signal messages: numbers
-// within the message, carrier.
+// Signals that a u-blox receiver uses from RTCM 3 multiple signal messages and writes into them:
+// number within the message, and carrier.
 #pragma once
 
 #include <array>

@@ -78,7 +78,7 @@ class UbloxKeyStore {
   UbloxConfigurationState defaults_;
   UbloxKeyMap map_;
   Values others_;     ///< RAM values of the items that are not part of the state.
-  Values candidate_;  ///< The same, being changed.
+  Values candidate_;  ///< Copy of `others_` while a transaction is checked.
   Layer backup_;
   Layer flash_;
   Layer staged_;

@@ -15,17 +15,17 @@
 
 namespace rigwire::emulators {
 
-/// Of fixed length.
+/// Returns the row of a message of fixed length.
 template <class Message>
 [[nodiscard]] constexpr UbloxMessage produced(std::string_view name, std::size_t repeated = 0) {
   return {Message::kId, name, protocols::ubx::frame_size<Message>() + repeated, false};
 }
-/// With a payload of varying length.
+/// Returns the row of a message whose payload varies; `payload` is its maximum.
 [[nodiscard]] constexpr UbloxMessage listed(protocols::ubx::MessageId id, std::string_view name,
                                             std::size_t payload) {
   return {id, name, protocols::ubx::kOverheadBytes + payload, false};
 }
-/// A head and so many blocks.
+/// Returns the row of a message with a head and at most `blocks` blocks.
 template <class Head, class Block>
 [[nodiscard]] constexpr UbloxMessage listed(std::string_view name, std::size_t blocks) {
   return listed(Head::kId, name, Head::kLength + blocks * Block::kLength);
@@ -38,12 +38,13 @@ template <class Head, class Block>
                                                  std::size_t bytes) {
   return {{0xF1, id}, name, bytes, true};
 }
-/// The same without a rate in CFG-MSG: it comes as an answer only.
+/// Returns the row without a rate in CFG-MSG: the message is sent only as an answer.
 [[nodiscard]] constexpr UbloxMessage on_demand(UbloxMessage message) {
   message.periodic = false;
   return message;
 }
-/// The same without an answer to a poll: it comes by its rate or with its event only.
+/// Returns the row without an answer to a poll: the message is sent only by its rate or with its
+/// event.
 [[nodiscard]] constexpr UbloxMessage unasked(UbloxMessage message) {
   message.polled = false;
   return message;

@@ -269,7 +269,7 @@ LogInfo empty_log() {
   return m;
 }
 
-/// The same for a device as long as its name and the seed are.
+/// Returns the chip's number, which stays the same as long as the device's name and the seed do.
 SecUniqid unique_number(const UbloxMonitorView& view) {
   constexpr std::uint64_t kOwnStream = 0x6368'6970'2069'6400;
   RandomBits random(view.seed ^ kOwnStream);

@@ -66,7 +66,7 @@ struct UbloxMonitorView {
   const UbloxTransmitter* second_line = nullptr;
   const UbloxPortStatistics* second_port = nullptr;
   std::size_t receive_capacity = 0;
-  std::uint64_t seed = 0;  ///< Of this device.
+  std::uint64_t seed = 0;  ///< Seed of this device.
   std::uint64_t epoch = 0;
 };
 

@@ -88,7 +88,7 @@ constexpr auto kTimingMessages = joined(
     kReceived);
 static_assert(kTimingMessages.size() <= kMaximumMessages);
 
-/// Of the texts at power-on, those that MON-VER repeats.
+/// Returns the texts at power-on that MON-VER repeats.
 constexpr std::span<const std::string_view> extensions(std::span<const std::string_view> banner) {
   return banner.subspan(3 /*maker, hardware, software*/, 7);
 }

@@ -75,7 +75,7 @@ struct UbloxProfile {
   std::uint8_t chip_generation = 3;        ///< NAV-SVINFO globalFlags: 3 = u-blox 7, 4 = u-blox 8.
   std::uint8_t status_flags = 0xD0;        ///< Undocumented upper bits of NAV-SOL and NAV-STATUS.
   std::int32_t first_week = 1691;          ///< Week of the firmware: wknRollover.
-  std::int32_t default_leap_seconds = 16;  ///< Of the firmware, until received.
+  std::int32_t default_leap_seconds = 16;  ///< Value in the firmware, used until received.
   UbloxFrontEnd front_end{};
 
   /// What other defaults of the type differ from those of a NEO-7P; may be null.

@@ -194,13 +194,13 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   std::vector<std::uint8_t> version_;  ///< Payload of MON-VER.
 
   Supply supply_;
-  std::optional<SimTime> off_since_;  ///< Nothing: it has not been on yet.
+  std::optional<SimTime> off_since_;  ///< nullopt: it has not been on yet.
   SimTime ready_ = kStart;            ///< End of start-up.
   bool running_ = false;              ///< Start-up is over.
   bool navigating_ = true;            ///< Not stopped by CFG-RST.
   SamplePlan plan_;
   std::uint64_t epoch_number_ = 0;
-  double epochs_owed_ = 0.0;  ///< Of a slow receiver, to be worked out when it is whole.
+  double epochs_owed_ = 0.0;  ///< Slow receiver: the next epoch is solved when this reaches 1.
 
   std::array<GnssSample, kPending> pending_;  ///< Ring of samples being worked on.
   std::size_t pending_head_ = 0;

@@ -22,7 +22,7 @@ namespace rigwire::emulators {
 
 struct ReceivedSbas {
   std::uint8_t prn = 0;      ///< 120..158.
-  std::uint8_t channel = 0;  ///< Of the receiver; the same for a satellite while it is tracked.
+  std::uint8_t channel = 0;  ///< Receiver channel; constant while a satellite is tracked.
   protocols::sbas::Message message;
 };
 
@@ -49,7 +49,7 @@ class SbasReception {
   [[nodiscard]] protocols::sbas::Message message_at(std::int64_t second) const;
 
   std::array<Channel, kSatellites> channels_{};
-  std::bitset<32> gps_;  ///< That the broadcast knows.
+  std::bitset<32> gps_;  ///< GPS satellites with an ephemeris in the broadcast.
   std::int64_t seconds_done_ = -1;
   std::vector<ReceivedSbas> messages_;
 };

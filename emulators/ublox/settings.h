@@ -42,7 +42,7 @@ struct UartNoiseFault {
 struct SlowFixFault {
   static constexpr fields::Named kNamed{"slow", "Only some of the epochs are worked out."};
 
-  double share = 0.5;  ///< Of the epochs, as evenly as can be.
+  double share = 0.5;  ///< Share of the epochs that are solved, spread evenly.
   Duration ramp{0};
 
   void grow(double of_it) { share = 1.0 - of_it * (1.0 - share); }
@@ -100,7 +100,7 @@ struct UbloxSettings {
   bool backup_battery = true;
   std::vector<UbloxFault> faults;
   std::vector<SupplyFault> supply_faults;
-  std::uint64_t noise_seed = 1;  ///< Of noise; the chip's number and its radio follow it, too.
+  std::uint64_t noise_seed = 1;  ///< Seed of the noise, the chip's number and its radio.
 };
 
 /// Precondition: the profile is not null; it sets the ranges of `rate` and `baud`.

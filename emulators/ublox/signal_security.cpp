@@ -10,8 +10,8 @@ using namespace std::chrono_literals;
 
 constexpr Duration kCoolOff = 10s;
 constexpr std::size_t kLeastSatellites = 6;
-// Of strengths, dB: their deviation among false signals at most and among real ones at least, and
-// by how much they rise.
+// Thresholds of the signal strengths, dB: max standard deviation among false signals, min standard
+// deviation among real ones, and min rise of the mean.
 constexpr double kEven_db = 0.8;
 constexpr double kUneven_db = 2.0;
 constexpr double kRise_db = 1.5;

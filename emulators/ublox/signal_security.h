@@ -40,14 +40,15 @@ class UbloxSignalSecurity {
 
   /// Power-on or reset: the log is empty.
   void restart();
-  /// One epoch. `satellites`: those that the receiver knows of. `sensitive`:
+  /// Evaluates one epoch. `satellites`: those that the receiver knows of. `sensitive`:
   /// CFG-SEC-JAMDET_SENSITIVITY_HI.
   void look(SimTime now, const std::vector<SatelliteView>& satellites, const RadioState& radio,
             bool has_fix, bool sensitive);
 
-  /// Of this epoch, as NAV-STATUS counts: 0 unknown, 1 none, 2 indicated, 3 by several systems.
+  /// Returns the spoofing state of this epoch, coded as in NAV-STATUS: 0 unknown, 1 none, 2
+  /// indicated, 3 indicated by several systems.
   [[nodiscard]] std::uint8_t spoofing_now() const { return spoofing_now_; }
-  /// As SEC-SIG counts: 0 unknown, 1 none, 2 indicated.
+  /// Returns the spoofing state, coded as in SEC-SIG: 0 unknown, 1 none, 2 indicated.
   [[nodiscard]] std::uint8_t spoofing() const;
   [[nodiscard]] std::uint8_t jamming() const { return jamming_; }
   [[nodiscard]] bool jammed(bool second_band) const {
@@ -55,7 +56,7 @@ class UbloxSignalSecurity {
   }
   /// Oldest first.
   [[nodiscard]] const std::deque<Event>& log() const { return log_; }
-  /// Of the last epoch.
+  /// Returns the time of the last epoch.
   [[nodiscard]] SimTime time() const { return now_; }
 
  private:

@@ -50,14 +50,14 @@ struct UbloxSolution {
   std::uint32_t since_start_ms = 0;
   std::uint32_t first_fix_ms = 0;  ///< 0 while there was none.
 
-  int dimensions = 0;         ///< 0 without fix, 2, 3. Position is then the last one.
+  int dimensions = 0;         ///< 0 (no fix), 2 or 3. At 0 the position is the last one.
   bool fix_ok = false;        ///< A fix within the limits of CFG-NAV5.
   bool differential = false;  ///< SBAS or other corrections are applied.
   std::optional<double> differential_age_s;
   CarrierSolution carrier = CarrierSolution::none;
-  /// Of the base station behind the corrections: where it is at this epoch, and who it is.
+  /// Base station whose corrections are used: its position at this epoch, and its identity.
   std::optional<UbloxBase> base;
-  bool time_only = false;  ///< Its own place is known, as a base station's: fix type 5.
+  bool time_only = false;  ///< Its own position is known (base station): fix type 5.
   UbloxSurvey survey;
   std::uint8_t spoofing = 0;  ///< NAV-STATUS spoofDetState of this epoch.
   bool has_position = false;
@@ -66,14 +66,14 @@ struct UbloxSolution {
   double ellipsoid_height_m = 0.0;
   double geoid_separation_m = 0.0;
   Vector3 velocity_ned_mps;
-  double heading_deg = 0.0;  ///< Of motion, 0..360; the last one while frozen.
+  double heading_deg = 0.0;  ///< Heading of motion, 0..360; the last one while frozen.
   double heading_accuracy_deg = 180.0;
   bool heading_frozen = true;
   double horizontal_accuracy_m = std::numeric_limits<double>::infinity();
   double vertical_accuracy_m = std::numeric_limits<double>::infinity();
   double speed_accuracy_mps = std::numeric_limits<double>::infinity();
   double time_accuracy_s = std::numeric_limits<double>::infinity();
-  /// As GnssSample::position_covariance_ned_m2; from the accuracies where that was not given.
+  /// GnssSample::position_covariance_ned_m2, or computed from the accuracies if that was not given.
   std::array<double, 6> position_covariance_ned_m2{};
   double clock_bias_s = 0.0;  ///< time_of_week_rest_ns + this is a whole number of milliseconds.
   double clock_drift = 0.0;

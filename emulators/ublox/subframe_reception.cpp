@@ -61,7 +61,7 @@ void SubframeReception::update(const GnssSample& sample, const GpsTime& now) {
   last_ns_ = now_ns;
 }
 
-// The same object means that nothing changed.
+// Takes the sample's broadcast data. An unchanged pointer means that nothing changed.
 void SubframeReception::take_navigation(const GnssSample& sample, std::int64_t now_ns) {
   if (sample.navigation == navigation_) {
     return;

@@ -25,7 +25,7 @@ namespace rigwire::emulators {
 /// A subframe that became complete.
 struct ReceivedSubframe {
   std::uint8_t prn = 0;
-  std::uint8_t channel = 0;  ///< Of the receiver; the same for a satellite while it is tracked.
+  std::uint8_t channel = 0;  ///< Receiver channel; constant while a satellite is tracked.
   protocols::gps::Step begun;
   protocols::gps::Subframe subframe;
 };

@@ -60,11 +60,11 @@ void validate(const GsUsbSettings& settings);
 
 struct GsUsbCounters {
   std::uint64_t from_host = 0;         ///< Frames handed to the controller (or looped back).
-  std::uint64_t echoed = 0;            ///< Of them, returned to the host.
-  std::uint64_t abandoned = 0;         ///< Of the echoed ones, those that were never sent.
+  std::uint64_t echoed = 0;            ///< Those of them that were returned to the host.
+  std::uint64_t abandoned = 0;         ///< Echoed frames that were never sent.
   std::uint64_t to_host = 0;           ///< Frames received from the bus and taken by the host.
   std::uint64_t lost = 0;              ///< Frames to the host without room, or too long to be read.
-  std::uint64_t error_frames = 0;      ///< Made for the host.
+  std::uint64_t error_frames = 0;      ///< Error frames made for the host.
   std::uint64_t refused_requests = 0;  ///< Stalled, or taken and without effect as in the firmware.
   std::uint64_t malformed_frames = 0;  ///< Packets from the host that are no frame to send.
   std::uint64_t unsent = 0;            ///< Frames from the host while the channel was closed.
@@ -100,13 +100,15 @@ class GsUsbAdapter final : public UsbDevice {
   bool received(SimTime now, const protocols::can::Frame& frame);
   /// The oldest unconfirmed frame of GsUsbWire::send() was complete at `now`, or never will be.
   void confirmed(SimTime now, bool sent);
-  /// News of the controller. False when the host could not be told.
+  /// Reports the state of the controller to the host. Returns false if the host could not be
+  /// notified.
   bool reported(SimTime now, const protocols::can::ControllerReport& report);
 
   [[nodiscard]] bool attached() const { return host_ != nullptr; }
-  /// As the host has set it; not present while the channel is closed or looped back.
+  /// Returns the controller as set by the host; not present while the channel is closed or looped
+  /// back.
   [[nodiscard]] const OutsideController& controller() const { return controller_; }
-  /// The host asked for the blinking that tells one adapter from another.
+  /// Returns whether the host requested the blinking that identifies the adapter.
   [[nodiscard]] bool identifying() const { return identifying_; }
   [[nodiscard]] const GsUsbCounters& counters() const { return counters_; }
 
@@ -164,7 +166,7 @@ class GsUsbAdapter final : public UsbDevice {
   std::optional<std::uint32_t> bit_rate_bps_;
   OutsideController controller_;
   bool started_ = false;
-  std::uint32_t flags_ = 0;  ///< Of the mode request.
+  std::uint32_t flags_ = 0;  ///< Flags of the mode request.
   bool identifying_ = false;
   protocols::can::ControllerReport latest_;
   SimTime restart_at_ = kNever;

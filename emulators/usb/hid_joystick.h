@@ -34,7 +34,8 @@ struct HidJoystickSettings {
   std::string manufacturer = "Rigwire";
   std::string product_name = "Excavator operator levers";
   std::string serial_number;
-  Duration interval = std::chrono::milliseconds(10);  ///< Of the interrupt endpoint, 1 .. 255 ms.
+  /// Polling interval of the interrupt endpoint, 1 .. 255 ms.
+  Duration interval = std::chrono::milliseconds(10);
 };
 void visit(fields::Visitor& v, HidJoystickSettings& p);
 /// Throws std::invalid_argument.

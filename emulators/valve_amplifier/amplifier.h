@@ -109,10 +109,10 @@ class ValveAmplifier {
     return enabled_ && section_on_[section];
   }
   [[nodiscard]] ValveFault fault() const { return fault_; }
-  /// Of the latched fault; nothing when it is the whole amplifier's.
+  /// Returns the section of the latched fault; nullopt if it concerns the whole amplifier.
   [[nodiscard]] std::optional<std::size_t> fault_section() const { return fault_section_; }
   [[nodiscard]] bool watchdog_tripped() const { return watchdog_tripped_; }
-  /// An output at 100 %, or one whose coil cannot carry the wanted current.
+  /// Returns whether an output is at 100 %, or a coil cannot carry the wanted current.
   [[nodiscard]] bool at_limit() const;
   [[nodiscard]] bool limited(std::size_t section) const;
   /// The stored command, and what the stage makes of it at present.

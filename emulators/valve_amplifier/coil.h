@@ -59,14 +59,15 @@ class ValveCoil {
 
   explicit ValveCoil(const ValveCoilParameters& parameters) : parameters_(parameters) {}
 
-  /// What holds from `now` on. Times must not decrease.
+  /// Sets what drives the coil from `now` on. Times must not decrease.
   void drive(SimTime now, const CoilDrive& drive);
-  /// Without dither. `now` not before the last drive().
+  /// Returns the current without dither. `now` is not before the last drive().
   [[nodiscard]] double current_ma(SimTime now) const;
-  /// Of the dither at present, and its momentary value.
+  /// Return the present amplitude of the dither, and its momentary value.
   [[nodiscard]] double dither_amplitude_ma(SimTime now, const ValveDither& dither) const;
   [[nodiscard]] double dither_ma(SimTime now, const ValveDither& dither) const;
-  /// What the present supply can drive through the coil for ever: U / R(T); 0 when it is open.
+  /// Returns the steady-state maximum current at the present supply voltage: U / R(T); 0 if the
+  /// coil is open.
   [[nodiscard]] double greatest_ma() const;
   [[nodiscard]] double temperature_c() const { return temperature_c_; }
   [[nodiscard]] double resistance_ohm() const;

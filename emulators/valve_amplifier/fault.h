@@ -16,13 +16,13 @@ namespace rigwire::emulators {
 /// What an amplifier reports. The first one stays until it is reset.
 enum class ValveFault : std::uint16_t {
   none = 0,
-  watchdog = 1,             ///< The master was silent.
+  watchdog = 1,             ///< The master stopped sending.
   open_coil = 2,            ///< A driven coil takes no current.
   over_current = 3,         ///< A driven coil takes more than the stage can give.
-  under_voltage = 4,        ///< Of the electrical supply.
+  under_voltage = 4,        ///< The supply voltage is too low.
   spool_not_following = 5,  ///< Measured position off the set point for too long.
   sensor = 6,               ///< No position is measured.
-  over_temperature = 7,     ///< Of the output stage.
+  over_temperature = 7,     ///< The output stage is too hot.
   configuration = 8,        ///< Parameters that contradict each other.
 };
 inline constexpr std::size_t kValveFaults = 9;
@@ -75,10 +75,10 @@ struct ValveDefect {
 };
 void visit(fields::Visitor& v, ValveDefect& p);
 
-/// Of several that set the same voltage or temperature the last listed holds.
+/// Where several set the same voltage or temperature, the last listed one holds.
 using ValveDefects = FaultBook<ValveDefect>;
 
-/// The section that a defect is of; nothing for those of the surroundings.
+/// Returns the section that a defect concerns; nullopt for a defect of the surroundings.
 [[nodiscard]] std::optional<std::size_t> section_of(const ValveDefect& defect);
 
 /// What holds at one instant.

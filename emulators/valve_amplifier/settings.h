@@ -14,7 +14,7 @@
 
 namespace rigwire::emulators {
 
-/// Of the output stage of one section, as fractions.
+/// Parameters of the output stage of one section, as fractions.
 struct ValveStageParameters {
   double dead_band_positive = 0.0;  ///< 0 .. 0.5 of spool travel.
   double dead_band_negative = 0.0;  ///< 0 .. 0.5 of spool travel.
@@ -63,7 +63,7 @@ struct ValveElectronics {
   Duration open_delay = std::chrono::milliseconds(50);
   double ambient_temperature_c = 32.0;     ///< -40 .. 150.
   double idle_power_w = 2.0;               ///< 0 .. 100.
-  double output_resistance_ohm = 0.3;      ///< Of each output, heats the driver. 0 .. 10.
+  double output_resistance_ohm = 0.3;      ///< Per output; heats the driver. 0 .. 10.
   double thermal_resistance_kpw = 4.0;     ///< 0 .. 100.
   double thermal_time_constant_s = 300.0;  ///< 1 .. 1e5.
   double over_temperature_c = 85.0;        ///< At it: fault 7.

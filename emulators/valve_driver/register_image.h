@@ -28,9 +28,9 @@ class RegisterImage {
  public:
   struct Place {
     const ValveRegister* entry = nullptr;
-    std::uint16_t index = 0;  ///< In the row.
-    std::uint16_t word = 0;   ///< Of the value.
-    std::size_t cell = 0;     ///< Of the value's first word.
+    std::uint16_t index = 0;  ///< Position in the row.
+    std::uint16_t word = 0;   ///< Word of the value.
+    std::size_t cell = 0;     ///< Cell of the value's first word.
   };
 
   /// `map` must outlive the image and is valid.

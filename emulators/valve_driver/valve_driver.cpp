@@ -72,7 +72,7 @@ auto number_of(Parameters& p, std::size_t section, ValveSignal signal)
 double per_number(const ValveSignalInfo& signal) {
   return signal.unit == "%" ? kPercent : 1.0;
 }
-/// The same of spans, in ms.
+/// Returns the duration parameter (ms in the map) that a signal sets; null for other signals.
 template <class Parameters>
 auto span_of(Parameters& p, std::size_t section, ValveSignal signal) -> decltype(&p.watchdog) {
   switch (signal) {

@@ -156,7 +156,7 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
   Supply supply_;
   std::uint32_t starts_ = 0;
   WatchdogFeed feed_ = WatchdogFeed::any_request;
-  std::array<double, kValveSections> towards_a_{};  ///< As the master last wrote them, %.
+  std::array<double, kValveSections> towards_a_{};  ///< Commands last written by the master, %.
   std::array<double, kValveSections> towards_b_{};
   bool heartbeat_seen_ = false;
   std::uint16_t heartbeat_ = 0;

@@ -84,7 +84,7 @@ constexpr std::array<fields::Choice<WatchdogFeed>, 4> kFeeds{
      {WatchdogFeed::any_write, "any_write", "Every write that is carried out."},
      {WatchdogFeed::command_write, "command_write", "A write that has a command in it."}}};
 
-/// Of the emulator (docs/devices/valve-driver.md); 7, 8 and 11 on serial lines only.
+/// Function codes of the emulator (docs/devices/valve-driver.md); 7, 8 and 11 on serial lines only.
 constexpr std::array<std::uint8_t, 14> kFunctions{1, 2, 3, 4, 5, 6, 7, 8, 11, 15, 16, 17, 22, 23};
 constexpr std::uint8_t kIdentification = 43;
 constexpr const char* kFunctionNames = "1 .. 8, 11, 15, 16, 17, 22, 23, 43";

@@ -17,12 +17,12 @@
 namespace rigwire::emulators {
 
 using ModbusTable = protocols::modbus::Table;
-/// How a value lies in registers; `text` is two characters per register, high byte first.
+/// Encoding of a value in registers; `text` is two characters per register, high byte first.
 enum class RegisterFormat : std::uint8_t { bit, u16, s16, u32, s32, f32, text };
-/// Which word of a two-register value is at the lower address.
+/// Word of a two-register value at the lower address.
 enum class WordOrder : std::uint8_t { high_first, low_first };
-/// Which byte of a register comes first on the wire; Modbus itself has the high one first (V1.1b3,
-/// section 4.2), but devices are made that hand on a little-endian memory.
+/// Byte of a register that comes first on the wire. Modbus sends the high byte first (V1.1b3,
+/// section 4.2), but some devices pass on a little-endian memory.
 enum class ByteOrder : std::uint8_t { high_first, low_first };
 
 /// What feeds the watchdog.
@@ -55,8 +55,8 @@ void visit(fields::Visitor& v, RegisterTranslation& p);
 struct ValveRegister {
   std::string name;  ///< Field term in snake_case.
   ModbusTable table = ModbusTable::holding_registers;
-  std::uint16_t address = 0;  ///< Of the first, counted from 0.
-  std::uint16_t count = 1;    ///< How many in the row; of a text, its registers.
+  std::uint16_t address = 0;  ///< Address of the first, counted from 0.
+  std::uint16_t count = 1;    ///< Number in the row; of a text, its registers.
   std::uint16_t stride = 0;   ///< Registers from one to the next; 0: no gap.
   RegisterFormat format = RegisterFormat::u16;
   WordOrder order = WordOrder::high_first;
@@ -65,25 +65,25 @@ struct ValveRegister {
   std::string unit;
   double scale = 1.0;
   double offset = 0.0;
-  // Of the counts. NaN: what the format can carry (0 .. all bits used, where there are bits), of
-  // what the master writes no more than the amplifier can take.
+  // Limits of the counts. NaN: what the format can carry (0 .. all bits used, if there are bits);
+  // for a register that the master writes, also no more than the amplifier accepts.
   double lower = std::numeric_limits<double>::quiet_NaN();
   double upper = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> also;       ///< Allowed besides the range.
   std::vector<double> except;     ///< Not allowed, although in the range.
-  std::optional<bool> clip;       ///< In place of the map's rule.
-  std::optional<double> initial;  ///< Count at power-up; without: what the amplifier has.
+  std::optional<bool> clip;       ///< Overrides the map's rule.
+  std::optional<double> initial;  ///< Count at power-up; empty: the amplifier's.
   ValveSignal signal = ValveSignal::stored;
-  std::size_t section = 0;  ///< Of the first in the row.
+  std::size_t section = 0;  ///< Section of the first in the row.
   std::vector<RegisterBit> bits;
   std::vector<RegisterTranslation> values;
-  std::string content;  ///< Of a text.
+  std::string content;  ///< Characters of a text.
   std::string text;     ///< What it means, one line.
 
-  [[nodiscard]] std::uint16_t words() const;  ///< Of one value.
+  [[nodiscard]] std::uint16_t words() const;  ///< Registers of one value.
   [[nodiscard]] std::uint16_t step() const { return stride == 0 ? words() : stride; }
-  [[nodiscard]] double least() const;     ///< `lower`, or as it says there.
-  [[nodiscard]] double greatest() const;  ///< `upper`, or as it says there.
+  [[nodiscard]] double least() const;     ///< `lower`, or its default.
+  [[nodiscard]] double greatest() const;  ///< `upper`, or its default.
   [[nodiscard]] bool allows(double count) const;
 };
 

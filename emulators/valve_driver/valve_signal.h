@@ -68,10 +68,10 @@ enum class ValveSignal : std::uint8_t {
 
 struct ValveSignalInfo {
   ValveSignal signal;
-  std::string_view name;   ///< As in a map's file.
-  bool commanded = false;  ///< Acts when it is written.
+  std::string_view name;   ///< Name in a map's file.
+  bool commanded = false;  ///< Writing it has an effect.
   bool per_section = false;
-  std::string_view unit;  ///< Of the values that the amplifier gives and takes; empty: a number.
+  std::string_view unit;  ///< Unit of the amplifier's values; empty: a number.
   std::string_view text;
   // What the amplifier can take, in that unit; without limits it takes everything.
   double least = -std::numeric_limits<double>::infinity();

@@ -42,7 +42,7 @@
 
 namespace rigwire::emulators {
 
-/// Whose silence matters.
+/// Kinds of requests with a timeout.
 enum class VehicleRequest : std::size_t { engine, gearbox, brake, guidance, speed, implement };
 inline constexpr std::size_t kVehicleRequests = 6;
 
@@ -99,7 +99,7 @@ class VehicleControl {
     return mode_refused_[static_cast<std::size_t>(end)];
   }
   [[nodiscard]] protocols::vehicle::ExitReason speed_exit() const { return speed_exit_; }
-  /// As far as gear, brake and set point decide it.
+  /// Returns the limit status that follows from gear, brake and set point.
   [[nodiscard]] protocols::vehicle::LimitStatus speed_limit() const { return speed_limit_; }
 
   /// Time-outs in the order of VehicleRequest, then a refused gear, then a TSC1 in error.
@@ -134,12 +134,12 @@ class VehicleControl {
   /// The part of a composed command that the travel speed is.
   void travel(VehicleCommand& next);
   void clear_engine_limit();
-  /// Puts the command together; it counts as changed at `now` when anything differs.
+  /// Composes the command; it counts as changed at `now` if anything differs.
   void compose(SimTime now);
 
   VehicleGatewaySettings settings_;
   VehicleCommand command_;
-  VehicleCommand asked_;  ///< As if nobody had fallen silent.
+  VehicleCommand asked_;  ///< Requested command, before compose() applies a stop and travel limits.
   std::array<SimTime, kVehicleRequests> deadline_;
   TroubleMemory troubles_;
   std::array<std::uint8_t, kVehicleRequests> requester_{};

@@ -144,7 +144,7 @@ class VehicleReport {
   double distance_m_ = 0.0;
   double ground_distance_m_ = 0.0;
   EngineReport engine_;
-  std::uint8_t sensor_counter_ = 0;  ///< Of SAS; 4 bits.
+  std::uint8_t sensor_counter_ = 0;  ///< Message counter of SAS; 4 bits.
   std::array<protocols::can::Frame, kGreatestFrames> frames_{};
   std::size_t frame_count_ = 0;
 };

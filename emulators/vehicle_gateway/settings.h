@@ -13,7 +13,7 @@
 
 namespace rigwire::emulators {
 
-/// Which steering modes the machine offers (protocols/vehicle/machine.h, SteeringMode).
+/// Steering modes that the machine offers (protocols/vehicle/machine.h, SteeringMode).
 enum class SteeringLayout : std::uint8_t {
   front_only,  ///< Front.
   counter,     ///< Front and counter.
@@ -57,12 +57,12 @@ struct VehicleGatewaySettings {
   Duration key_off{0};  ///< From the start of the run; 0: never.
   Duration maximum_power_time = std::chrono::minutes{3};
   // The machine.
-  // What the machine says; no keys.
+  // Data of the machine's engine; no keys.
   EngineData engine;
   bool has_ground_radar = false;  ///< Ground-based speed.
   std::array<bool, kImplementEnds> has_hitch{};
   std::array<bool, kImplementEnds> has_power_take_off{};
-  Duration engine_hours{0};   ///< Of the engine when the run begins; 0 .. 200 000 h.
+  Duration engine_hours{0};   ///< Hours of the engine when the run begins; 0 .. 200 000 h.
   bool has_position = false;  ///< A satellite receiver is wired to it: VP, VDS and VP2.
   int gears_forward = 8;      ///< 0 .. 125; the numbers that TC1 may ask for.
   int gears_reverse = 6;      ///< 0 .. 125.
@@ -71,13 +71,13 @@ struct VehicleGatewaySettings {
   double maximum_front_steer_rad = 0.61;      ///< Estimate. Below pi/2.
   double maximum_rear_steer_rad = 0.61;       ///< Estimate.
   double steering_ratio = 20.0;               ///< Estimate. Steering wheel to equivalent wheel.
-  double maximum_speed_mps = 25.0;            ///< Of the speed command.
-  double maximum_reverse_speed_mps = 8.0;     ///< Of the speed command.
-  double full_brake_deceleration_mps2 = 6.0;  ///< Estimate. What brake share 1 gives.
+  double maximum_speed_mps = 25.0;            ///< Max of the speed command.
+  double maximum_reverse_speed_mps = 8.0;     ///< Max of the speed command in reverse.
+  double full_brake_deceleration_mps2 = 6.0;  ///< Estimate. Deceleration at brake share 1.
   double minimum_tyre_pressure_pa = 50e3;     ///< Estimates; set points beyond are refused.
   double maximum_tyre_pressure_pa = 600e3;
   double maximum_spreader_rate_kgpm2 = 20.0;
-  // Its patience.
+  // Timeouts.
   VehicleTimeouts timeouts;
   /// Losing guidance while it steers stops the machine too: nobody is aboard to take over.
   bool stop_without_guidance = true;

@@ -66,7 +66,7 @@ class VehicleGateway final : public J1939Device, public VehicleBackend {
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override;
   [[nodiscard]] SamplePlan sample_plan() const override;
-  /// Of the schedule and the trouble codes.
+  /// Returns the rate of the scheduled messages and the trouble codes.
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
@@ -95,14 +95,14 @@ class VehicleGateway final : public J1939Device, public VehicleBackend {
   void tick(SimTime now);
   [[nodiscard]] SimTime next_power_change() const;
   void change_power(SimTime now);
-  /// What of ISO 11783-12's functionalities it has.
+  /// Returns the functionalities of ISO 11783-12 that it has.
   [[nodiscard]] protocols::iso11783::SupportedFunctionality tractor() const;
   J1939Reception take_engine_request(SimTime now, const J1939Message& message);
-  /// Decodes and takes; a request that cannot be honoured is refused to its sender where `refuse`
-  /// says so.
+  /// Decodes and executes a command. A request that cannot be executed is refused to its sender if
+  /// `refuse`.
   template <class Message>
   J1939Reception take_command(SimTime now, const J1939Message& message, bool refuse);
-  /// The same, and remembers who asked.
+  /// Decodes and executes a command and stores its sender as the requester.
   template <class Message>
   J1939Reception take_command(SimTime now, const J1939Message& message, VehicleRequest source);
 

@@ -70,7 +70,8 @@ class PacketAssembly {
   std::array<protocols::velodyne::ChannelWord, kMaxLasers> no_return_{};  ///< By laser.
   bool marks_no_returns_ = false;
   protocols::velodyne::ReturnMode mode_ = protocols::velodyne::ReturnMode::strongest;
-  std::array<BankBlocks, protocols::velodyne::kBlocksPerPacket> blocks_{};  ///< As banks come.
+  /// In the order of the banks.
+  std::array<BankBlocks, protocols::velodyne::kBlocksPerPacket> blocks_{};
   std::array<std::uint8_t, protocols::velodyne::kDataPacketSize> bytes_{};
   protocols::velodyne::DataPacketWriter write_{bytes_};
   int banks_ = 0;  ///< In the packet so far.

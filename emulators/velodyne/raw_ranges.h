@@ -33,7 +33,7 @@ class RawRanges {
   struct Beams {
     using Column = std::array<double, kBankLasers>;
     struct Axis {
-      Column share;  ///< Of the axis's correction in that of the range.
+      Column share;  ///< Share of the axis's correction in the range's correction.
       Column per_m;  ///< This and the next with the slope's sign.
       Column at;
       Column turn;  ///< share * slope * per_m for a correction that grows with the coordinate.
@@ -74,13 +74,13 @@ class RawRanges {
  private:
   using Column = std::array<double, protocols::velodyne::kHdl64eLasers>;
 
-  Column offset_sine_{};  ///< Of the laser's azimuth against the rotor's.
+  Column offset_sine_{};  ///< Sine of the laser's azimuth relative to the rotor's.
   Column offset_cosine_{};
   Column shot_after_s_{};
   Column cos_elevation_{};
   Column horizontal_offset_m_{};
   Column far_m_{};
-  Column slope_x_{};  ///< Of the corrections, metres per metre.
+  Column slope_x_{};  ///< Slopes of the corrections, metres per metre.
   Column slope_y_{};
   Column at_axis_x_{};  ///< Corrections, carried on to the axis.
   Column at_axis_y_{};

@@ -94,7 +94,7 @@ class TimeInput {
   std::optional<SimTime> heard_;
   Duration heard_period_{0};
   std::optional<protocols::velodyne::RecommendedMinimum> said_;
-  std::optional<protocols::velodyne::GprmcText> text_;  ///< Of `said_`, once it was asked for.
+  std::optional<protocols::velodyne::GprmcText> text_;  ///< Text of `said_`, made on request.
   SimTime sentence_at_{};
 };
 

@@ -23,11 +23,11 @@ class UnitReport {
              const protocols::velodyne::Hdl64eCalibration& calibration,
              const VelodyneLiveSettings& live);
 
-  /// The bytes begin anew.
+  /// Restarts the cycle of status bytes.
   void power_up() { packets_ = 0; }
   void settings_changed(const VelodyneLiveSettings& live);
-  /// Of the next data packet, which is sent at `now`. The values of a cycle of 16 packets are those
-  /// at its beginning.
+  /// Returns the status byte of the next data packet, which is sent at `now`. The values of a cycle
+  /// of 16 packets are those at its beginning.
   [[nodiscard]] protocols::velodyne::StatusByte next(SimTime now, const TimeInput& input);
 
  private:

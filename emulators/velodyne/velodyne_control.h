@@ -28,7 +28,8 @@ struct VelodyneLiveSettings {
   std::string host_address = "255.255.255.255";
   std::uint16_t data_port = 2368;
   std::uint16_t telemetry_port = 8308;
-  /// Of the sensor's own interface: kept and told, without effect on this machine's network.
+  /// Address of the sensor's own interface: stored and reported, without effect on this machine's
+  /// network.
   std::string net_address = "192.168.1.201";
   std::string net_mask = "255.255.255.0";
   std::string net_gateway = "192.168.1.1";
@@ -45,7 +46,7 @@ struct VelodyneReadings {
   int motor_phase_centideg = 0;  ///< Rotor's azimuth at the last top of a second.
   bool laser_on = true;
   protocols::velodyne::PulseState pulse_state = protocols::velodyne::PulseState::absent;
-  std::string gps_position;  ///< As the status page prints it; empty without a fix.
+  std::string gps_position;  ///< Text on the status page; empty without a fix.
   double top_temperature_c = 35.0;
   double bottom_temperature_c = 35.0;
   double input_voltage_v = 12.0;

@@ -20,7 +20,7 @@ namespace rigwire::emulators {
 struct LostPacketsFault {
   static constexpr fields::Named kNamed{"lost", "Packets are lost on the way."};
 
-  double share = 0.01;  ///< Of each packet of either port.
+  double share = 0.01;  ///< Probability per packet, either port.
   Duration ramp{0};
 
   void grow(double of_it) { share *= of_it; }
@@ -29,7 +29,7 @@ struct SwappedPacketsFault {
   static constexpr fields::Named kNamed{"swapped",
                                         "Data packets change places with their successors."};
 
-  double share = 0.01;  ///< Of each data packet.
+  double share = 0.01;  ///< Probability per data packet.
   Duration ramp{0};
 
   void grow(double of_it) { share *= of_it; }
@@ -37,7 +37,7 @@ struct SwappedPacketsFault {
 struct DuplicatedPacketsFault {
   static constexpr fields::Named kNamed{"repeated", "Packets arrive twice."};
 
-  double share = 0.01;  ///< Of each packet of either port.
+  double share = 0.01;  ///< Probability per packet, either port.
   Duration ramp{0};
 
   void grow(double of_it) { share *= of_it; }
@@ -53,7 +53,7 @@ struct DirtyWindowFault {
 
   double from_deg = 0.0;      ///< Azimuth, clockwise; the sector may contain 0.
   double to_deg = 10.0;       ///< Not `from_deg`; 0 and 360 are all round.
-  double transmission = 0.5;  ///< Of light, one way.
+  double transmission = 0.5;  ///< Transmission of light, one way.
   Duration ramp{0};
 
   void grow(double share) { transmission = 1.0 - share * (1.0 - transmission); }

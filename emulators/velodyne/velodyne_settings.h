@@ -30,8 +30,8 @@ enum class VelodyneTimeSource : std::uint8_t {
   ideal,       ///< Warm: locked from power-up on, sentences with the fix that is known.
 };
 
-/// Which firmware runs, where it changes what is on the wire: in the VLS-128, how long a firing
-/// lasts.
+/// Firmware version, where it changes what is on the wire: in the VLS-128, the duration of a
+/// firing.
 enum class VelodyneFirmware : std::uint8_t {
   newest,
   until_5_1_7,
@@ -39,7 +39,7 @@ enum class VelodyneFirmware : std::uint8_t {
 
 /// How the reflectivity byte is scaled.
 enum class VelodyneReflectivity : std::uint8_t {
-  model,   ///< As the model does.
+  model,   ///< Scale of the model.
   to_100,  ///< 0 .. 100 diffuse per cent, 101 .. 255 retro-reflector.
   to_110,  ///< 0 .. 110 and 111 .. 255 (VLS-128).
   full,    ///< 0 .. 255 diffuse, retro-reflectors at 255 (old HDL-32E, HDL-64E).
@@ -75,8 +75,9 @@ struct VelodyneSettings {
   /// Firmware before 2.2.20.0: both factory bytes are zero.
   bool legacy_factory_bytes = false;
   VelodyneReflectivity reflectivity = VelodyneReflectivity::model;
-  /// Of an HDL-64E; without one, the nominal table with corrections of a usual size. The unit
-  /// measures with it and reports it in its status channel, rounded as that can carry it.
+  /// Calibration of an HDL-64E; without one, the nominal table with corrections of a usual size.
+  /// The unit measures with it and reports it in its status channel, rounded to what that can
+  /// carry.
   std::optional<protocols::velodyne::Hdl64eCalibration> calibration;
   /// False: all beams leave from the origin, for clients that ignore the offsets.
   bool vertical_offsets = true;
@@ -97,7 +98,7 @@ struct VelodyneSettings {
   Duration start_up{0};
 
   VelodyneTimeSource time_source = VelodyneTimeSource::ideal;
-  double clock_drift_ppm = 0.0;  ///< Of the sensor's own crystal, -200 .. 200; positive: fast.
+  double clock_drift_ppm = 0.0;  ///< Drift of the sensor's crystal, -200 .. 200; positive: fast.
   Duration pulse_length = std::chrono::milliseconds{100};  ///< 20 .. 200 ms
   Duration sentence_delay =
       std::chrono::milliseconds{50};  ///< After the pulse's end, 50 .. 500 ms.
@@ -112,7 +113,7 @@ struct VelodyneSettings {
 
   std::vector<VelodyneFault> faults;
   std::vector<SupplyFault> supply_faults;
-  /// Of what is drawn for the unit, and of the faults that have a probability.
+  /// Seed of the unit's random properties and of the faults that have a probability.
   std::uint64_t seed = 1;
 };
 

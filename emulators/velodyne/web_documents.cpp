@@ -90,7 +90,8 @@ std::string array_of(const std::array<int, kSize>& values) {
   return text + "]";
 }
 
-/// The same for every serial number, another one for another; the maker's first three bytes.
+/// Returns a MAC address that depends only on the serial number; its first three bytes are the
+/// maker's.
 std::string hardware_address(std::string_view serial) {
   std::uint32_t hash = 2166136261U;  // FNV-1a
   for (const char c : serial) {

@@ -154,7 +154,8 @@ bool set_speed(Live& live, std::string_view text) {
   return true;
 }
 
-/// Of the web pages of some firmware; means nothing to this sensor.
+/// Accepts and ignores a field that some firmware's web pages send and that has no meaning for this
+/// sensor.
 bool ignore(Live& /*live*/, std::string_view /*text*/) {
   return true;
 }

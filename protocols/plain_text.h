@@ -16,7 +16,7 @@ enum class TextShape {
 };
 
 struct TextFault {
-  std::size_t offset = 0;  ///< Of the first byte that is wrong.
+  std::size_t offset = 0;  ///< Offset of the first invalid byte.
   std::string what;        ///< "not UTF-8", or "a control character".
   std::string found;       ///< "byte 0xE9", "U+001B".
 };
@@ -31,13 +31,13 @@ struct TextFault {
 /// 15.1, 23.1 and 23.2; ECMA-48, 5.3); bytes that are not UTF-8 as \xe9. `kept` stay as they are.
 [[nodiscard]] std::string printable(std::string_view text, std::string_view kept = "");
 
-/// A character in front of the rest.
+/// First character of a text.
 struct Character {
   char32_t code = 0;
   std::size_t bytes = 1;
-  bool valid = false;  ///< Else one byte that is no UTF-8 (RFC 3629).
+  bool valid = false;  ///< False: one byte that is not UTF-8 (RFC 3629).
 };
-/// Of a text that is not empty.
+/// Returns the first character. Precondition: the text is not empty.
 [[nodiscard]] Character first_character(std::string_view text);
 
 }  // namespace rigwire::protocols

@@ -20,8 +20,8 @@ struct Incomplete {
 
 /// No further byte can make this valid.
 struct Malformed {
-  std::string_view reason;  ///< Static text: what was expected and is not there.
-  std::size_t offset = 0;   ///< Of the first byte that is wrong.
+  std::string_view reason;  ///< Static text: what was expected and is missing.
+  std::size_t offset = 0;   ///< Offset of the first invalid byte.
 };
 
 template <class T>

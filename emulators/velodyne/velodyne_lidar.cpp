@@ -33,7 +33,7 @@ Duration packet_period(const velodyne::Model& model, ReturnMode mode) {
 constexpr std::uint64_t kNoReturnStream = 0x6E6F'7265'7475'726EU;
 constexpr std::uint64_t kPositionStream = 0x706F'7369'7469'6F6EU;
 
-/// Draws the intensity byte without a return for each laser.
+/// Draws the reflectivity byte of shots without a return, for each laser.
 NoReturnBytes no_return_bytes(const velodyne::Model& model, std::uint64_t seed) {
   NoReturnBytes bytes{};
   RandomBits unit(seed ^ kNoReturnStream);

@@ -29,11 +29,11 @@ using Subframe = std::array<std::uint32_t, 10>;
 
 /// When a subframe begins by BeiDou's time.
 struct SubframeTime {
-  std::int32_t week = kFirstWeek;  ///< As GPS counts.
-  std::uint32_t second = 0;        ///< Of BeiDou's week.
+  std::int32_t week = kFirstWeek;  ///< GPS week number.
+  std::uint32_t second = 0;        ///< Second of BeiDou's week.
 };
 
-/// 1 to 5.
+/// Returns the subframe's number, 1 to 5.
 [[nodiscard]] constexpr std::uint8_t id_at(std::uint32_t second) {
   return static_cast<std::uint8_t>(second / kSubframeSeconds % kSubframes + 1);
 }

@@ -19,13 +19,13 @@ enum class ErrorState : std::uint8_t {
 /// The five errors that a controller detects.
 enum class BusError : std::uint8_t { none, bit, stuff, form, crc, acknowledgement };
 
-/// Where in a frame; `unspecified` also for everything after it.
+/// Field of a frame; `unspecified` also for everything after it.
 enum class FrameField : std::uint8_t {
   unspecified,
   start_of_frame,
-  identifier_28_21,   ///< Of an 11-bit frame bits 10 .. 3.
-  identifier_20_18,   ///< Of an 11-bit frame bits 2 .. 0.
-  substitute_remote,  ///< SRR; of an 11-bit frame RTR.
+  identifier_28_21,   ///< In an 11-bit frame bits 10 .. 3.
+  identifier_20_18,   ///< In an 11-bit frame bits 2 .. 0.
+  substitute_remote,  ///< SRR; in an 11-bit frame RTR.
   identifier_extension,
   identifier_17_13,
   identifier_12_5,
@@ -51,8 +51,8 @@ struct ControllerReport {
   BusError error = BusError::none;    ///< This report is (also) about an error on the bus.
   bool transmitting = false;          ///< The error concerned this controller's own frame.
   bool dominant = false;              ///< BusError::bit: the bit that was sent was dominant.
-  std::uint8_t bit = 0;               ///< Of the frame, from start of frame 0, stuff bits counted.
-  FrameField field = FrameField::unspecified;  ///< What `bit` belongs to.
+  std::uint8_t bit = 0;               ///< Bit of the frame; start of frame is 0, stuff bits count.
+  FrameField field = FrameField::unspecified;  ///< Field of `bit`.
   bool restarted = false;                      ///< Back from bus-off.
   bool arbitration_lost = false;   ///< Only one-shot controllers report it; `bit` says where.
   bool receive_overflow = false;   ///< A frame that the host did not fetch in time is lost.

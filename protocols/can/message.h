@@ -24,11 +24,11 @@ namespace rigwire::protocols::can {
 template <class Keep>
 struct BasicMessage {
   typename Keep::Text name;     ///< Field term, unique on a bus.
-  std::uint32_t id = 0;         ///< As sent by `sender`; 29 bits when `extended`.
+  std::uint32_t id = 0;         ///< Identifier as sent by `sender`; 29 bits if `extended`.
   bool extended = false;        ///< 29-bit identifier.
   bool j1939 = false;           ///< The identifier is priority, parameter group and source.
   std::uint16_t length = 8;     ///< Bytes; more than eight go by a transport.
-  std::uint8_t fill = 0;        ///< What bytes hold where no signal is.
+  std::uint8_t fill = 0;        ///< Value of bits that no signal uses.
   std::uint32_t period_ms = 0;  ///< 0: on request or on change, or not known.
   typename Keep::Text sender;   ///< The device's name; empty: whoever controls it.
   typename Keep::Text text;     ///< What it is; source.

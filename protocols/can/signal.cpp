@@ -9,9 +9,9 @@ namespace {
 /// Bits of a signal that lie in one byte.
 struct Part {
   std::size_t byte;
-  unsigned shift;  ///< Of their least significant one in the byte.
+  unsigned shift;  ///< Position of its least significant bit in the byte.
   unsigned bits;
-  unsigned low;  ///< Of the same one in the raw value.
+  unsigned low;  ///< Position of that bit in the raw value.
 };
 
 /// Calls `use` for each part. Precondition: the signal fits.

@@ -65,7 +65,8 @@ struct Reading {
   double value = 0.0;
 
   [[nodiscard]] bool valid() const { return availability == Availability::valid; }
-  /// As put() takes it: infinity for an error, NaN for everything else that is no number.
+  /// Returns the value that put() accepts: infinity for an error, NaN for every other reading
+  /// without a number.
   [[nodiscard]] double number() const {
     if (valid()) {
       return value;
@@ -171,7 +172,7 @@ struct Range {
   const double greatest = (signal.is_signed ? half : counts) * signal.scale + signal.offset;
   return least <= greatest ? Range{least, greatest} : Range{greatest, least};
 }
-/// The same signal with these limits.
+/// Returns the signal with the limits that its bits can carry.
 template <class Row>
 [[nodiscard]] constexpr Row unlimited(Row signal) {
   const Range range = carried(signal);
@@ -224,22 +225,22 @@ struct RawRange {
   std::uint64_t first = 0;
   std::uint64_t last = 0;
 };
-/// Of a signal that is always there.
+/// Multiplexor of a signal that is always present.
 inline constexpr std::uint16_t kNoMultiplexor = 0xFFFF;
 
 template <class Keep>
 struct BasicSignal : Coding {
   typename Keep::Text name;  ///< Unique within its message.
-  typename Keep::Text unit;  ///< Of the physical value; empty or "1" for bare numbers.
+  typename Keep::Text unit;  ///< Unit of the physical value; empty or "1" for bare numbers.
   typename Keep::Text text;  ///< What it means; source.
   std::uint32_t spn = 0;     ///< Suspect parameter number of J1939; 0: none.
   typename Keep::template List<BasicNamedValue<Keep>> values;
-  /// The unit that its document gives it in, and the size of that in `unit`; negative where its
-  /// sign is the other one, too. Empty: as here.
+  /// Unit in the signal's document, and the size of that unit in `unit`; negative if its sign is
+  /// reversed. Empty: the same unit.
   typename Keep::Text document_unit;
   double document_size = 1.0;
-  /// Which signal of its message, by its place there, says whether this one is there, and at which
-  /// of that one's raw values it is.
+  /// Index in the message of the signal whose raw value tells whether this one is present, and the
+  /// raw values at which it is.
   std::uint16_t multiplexor = kNoMultiplexor;
   typename Keep::template List<RawRange> present_at;
 };

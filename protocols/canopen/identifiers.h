@@ -31,7 +31,7 @@ inline constexpr std::uint32_t kCobExtended = 1U << 29U;  ///< 29-bit identifier
 inline constexpr std::uint32_t kCobNoRemote = 1U << 30U;  ///< PDO: no remote request allowed.
 inline constexpr std::uint32_t kCobInvalid = 1U << 31U;   ///< PDO or EMCY does not exist.
 
-/// As the heartbeat's byte says it.
+/// State of a node, coded as in the heartbeat's byte.
 enum class NodeState : std::uint8_t {
   initialising = 0x00,  ///< The boot-up message.
   stopped = 0x04,

@@ -39,7 +39,7 @@ struct ObjectEntry {
   DataType type = DataType::unsigned32;
   Access access = Access::read_only;
   std::int64_t initial = 0;
-  std::int64_t lower = 0;  ///< Of what may be written.
+  std::int64_t lower = 0;  ///< Limit of the values that may be written.
   std::int64_t upper = 0;
   std::uint8_t flags = 0;
   std::string_view unit = {};

@@ -49,11 +49,11 @@ struct ObjectAddress {
   friend bool operator==(const ObjectAddress&, const ObjectAddress&) = default;
 };
 
-inline constexpr std::size_t kSdoBytes = 8;         ///< Of every SDO frame.
-inline constexpr std::size_t kExpeditedBytes = 4;   ///< At most in one frame.
-inline constexpr std::size_t kSdoSegmentBytes = 7;  ///< At most in one segment.
+inline constexpr std::size_t kSdoBytes = 8;         ///< Length of every SDO frame.
+inline constexpr std::size_t kExpeditedBytes = 4;   ///< Max data bytes in one frame.
+inline constexpr std::size_t kSdoSegmentBytes = 7;  ///< Max data bytes in one segment.
 
-/// What a client asks.
+/// Kind of a client's request.
 enum class SdoRequestKind : std::uint8_t {
   download,           ///< Write, expedited: `data` holds it.
   download_segments,  ///< Write in segments: `announced` bytes (0: not said).

@@ -28,7 +28,7 @@ struct Token {
   enum class Kind : std::uint8_t { word, number, string, mark, end };
 
   Kind kind = Kind::end;
-  std::string_view text;  ///< Of a string without its quotation marks.
+  std::string_view text;  ///< A string's text has no quotation marks.
   int line = 1;
   int column = 1;
   bool first_on_line = false;
@@ -98,7 +98,8 @@ class Lexer {
     }
   }
 
-  /// Of the number that begins here, its sign included; "+" of "@1+ (" is none.
+  /// Returns the length of the number that begins here, including its sign; 0 for the "+" of "@1+
+  /// (".
   [[nodiscard]] std::size_t number_length() const {
     const std::size_t sign = text_[at_] == '+' || text_[at_] == '-' ? 1 : 0;
     const std::string_view rest = text_.substr(at_ + sign);
@@ -137,10 +138,10 @@ class Lexer {
   std::size_t at_ = 0;
   std::size_t line_start_ = 0;
   int line_ = 1;
-  int last_line_ = 0;  ///< Of the token before.
+  int last_line_ = 0;  ///< Line of the token before.
 };
 
-/// Of a string's bytes: UTF-8 as it is, else every byte a character of ISO 8859-1.
+/// Converts a string's bytes: unchanged if UTF-8, else every byte is a character of ISO 8859-1.
 std::string utf8(std::string_view bytes) {
   std::size_t follow = 0;
   bool valid = true;
@@ -177,13 +178,13 @@ bool says_one_of(std::string_view text, std::span<const std::string_view> words)
 
 /// An attribute's definition, or a value of it.
 struct Attribute {
-  std::vector<std::string> names;  ///< Of an enumeration, by number.
+  std::vector<std::string> names;  ///< Names of an enumeration, by number.
   std::string preset;
 };
 
-/// Whose attribute or comment it is.
+/// Message or signal that an attribute or comment belongs to.
 struct Owner {
-  std::uint32_t message = 0;  ///< As the file has it, with bit 31.
+  std::uint32_t message = 0;  ///< Identifier in the file, with bit 31.
   std::string signal;
 
   friend bool operator<(const Owner& a, const Owner& b) {
@@ -764,8 +765,9 @@ class Parser {
   bool seen_any_ = false;
   FileMessage* current_ = nullptr;
   std::uint32_t current_id_ = kIndependentSignals;  ///< In the file.
-  FileMessage nobody_;                           ///< Takes the signals that belong to no message.
-  std::map<std::uint32_t, std::size_t> places_;  ///< Of the messages, by identifier in the file.
+  FileMessage nobody_;  ///< Takes the signals that belong to no message.
+  /// Index of each message, by identifier in the file.
+  std::map<std::uint32_t, std::size_t> places_;
   std::map<std::string, Attribute> attributes_;
   std::map<std::pair<std::string, Owner>, std::string> given_;
   std::map<Owner, std::string> comments_;

@@ -40,8 +40,8 @@ struct FileMessage {
   /// reserved, and bits of no signal are 1. The sender is the first of `senders`.
   can::OwnedMessage layout;
   std::vector<FileSignal> signals;   ///< In the order of layout.signals.
-  std::vector<std::string> senders;  ///< Nodes; none: whoever.
-  std::string send_type;             ///< As the file names it; empty: not said.
+  std::vector<std::string> senders;  ///< Nodes; empty: any node.
+  std::string send_type;             ///< Name in the file; empty: not given.
   double period_ms = 0.0;            ///< 0: not given.
   double least_distance_ms = 0.0;
   double start_delay_ms = 0.0;

@@ -17,10 +17,10 @@
 
 namespace rigwire::protocols::dbc {
 
-/// In which units and with which signs physical values are written.
+/// Units and signs in which physical values are written.
 enum class Units : std::uint8_t {
-  si,        ///< As this library's tables have them: SI, but deg, deg/s and ms of some devices.
-  document,  ///< As the messages' own document: rpm, %, kPa, km/h, deg for SAE J1939.
+  si,        ///< Units of this library: SI, but deg, deg/s and ms of some devices.
+  document,  ///< Units of the messages' own document: rpm, %, kPa, km/h, deg for SAE J1939.
 };
 
 /// A bus with everything that is said on it.

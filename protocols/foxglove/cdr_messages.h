@@ -40,7 +40,7 @@ struct PackedField {
 };
 
 struct PointCloudHead {
-  std::int64_t unix_ns = 0;  ///< Of its begin; from 1970 to 2038.
+  std::int64_t unix_ns = 0;  ///< Begin of the point cloud; from 1970 to 2038.
   std::string_view frame_id;
   std::array<double, 3> position_m{};
   std::array<double, 4> orientation{0.0, 0.0, 0.0, 1.0};  ///< x, y, z, w.
@@ -49,7 +49,7 @@ struct PointCloudHead {
 };
 
 struct RawImageHead {
-  std::int64_t unix_ns = 0;  ///< Likewise.
+  std::int64_t unix_ns = 0;  ///< Time of the image; from 1970 to 2038.
   std::string_view frame_id;
   std::uint32_t width = 0;
   std::uint32_t height = 0;

@@ -45,7 +45,7 @@ enum class PlaybackStatus : std::uint8_t { playing = 0, paused = 1, buffering = 
                                                float speed, bool did_seek,
                                                std::string_view request);
 
-// Of clients; texts point into the bytes that they were decoded from.
+// Frames sent by clients; texts point into the bytes that they were decoded from.
 
 struct ServiceRequest {
   std::uint32_t service = 0;

@@ -34,7 +34,7 @@ using Page = std::array<std::uint32_t, 8>;
 /// When a page begins: GPS week, not rolled over, and second.
 struct PageTime {
   std::int32_t week = kFirstWeek;
-  std::uint32_t second = 0;  ///< Of the week.
+  std::uint32_t second = 0;  ///< Second of the week.
 };
 
 /// Type of the word that a page carries, by the second since the signal's frame began (0, 2 .. 28).

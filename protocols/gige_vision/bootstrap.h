@@ -151,24 +151,24 @@ struct Capability {
   static constexpr std::uint32_t kSerialNumber = 1U << 30U;
   static constexpr std::uint32_t kHeartbeatDisable = 1U << 29U;
   static constexpr std::uint32_t kLinkSpeed = 1U << 28U;
-  static constexpr std::uint32_t kPrimaryApplication = 1U << 27U;  ///< Its port and address.
-  static constexpr std::uint32_t kExtendedStatus = 1U << 22U;      ///< Of version 1.1.
+  static constexpr std::uint32_t kPrimaryApplication = 1U << 27U;  ///< Has its port and address.
+  static constexpr std::uint32_t kExtendedStatus = 1U << 22U;      ///< Status codes of version 1.1.
   static constexpr std::uint32_t kPendingAcknowledge = 1U << 5U;
   static constexpr std::uint32_t kPacketResend = 1U << 2U;
   static constexpr std::uint32_t kWriteMemory = 1U << 1U;
   static constexpr std::uint32_t kConcatenation = 1U << 0U;  ///< Several registers in a command.
 };
 
-/// Of kConfiguration.
+/// Bits of kConfiguration.
 struct Configuration {
   static constexpr std::uint32_t kHeartbeatDisable = 1U << 0U;
   static constexpr std::uint32_t kExtendedStatus = 1U << 2U;
 };
-/// Of kStreamConfiguration.
+/// Bits of kStreamConfiguration.
 struct StreamConfiguration {
   static constexpr std::uint32_t kExtendedIds = 1U << 30U;
 };
-/// Of kStreamCapability.
+/// Bits of kStreamCapability.
 struct StreamCapability {
   static constexpr std::uint32_t kSourcePort = 1U << 31U;
   static constexpr std::uint32_t kShortIds = 1U << 30U;
@@ -184,7 +184,7 @@ struct Privilege {
   static constexpr std::uint32_t kControl = 1U << 1U;
 };
 
-/// Of kStreamPacketSize; the size is in the low half, with IP and UDP headers.
+/// Bits of kStreamPacketSize; the size is in the low half, with IP and UDP headers.
 struct PacketSize {
   static constexpr std::uint32_t kFireTest = 1U << 31U;
   static constexpr std::uint32_t kDoNotFragment = 1U << 30U;
@@ -192,7 +192,7 @@ struct PacketSize {
   static constexpr std::uint32_t kSize = 0xFFFF;
 };
 
-/// Of kStreamChannelCapability and kStreamChannelConfiguration.
+/// Bits of kStreamChannelCapability and kStreamChannelConfiguration.
 struct StreamChannel {
   static constexpr std::uint32_t kMultipart = 1U << 6U;
 };

@@ -88,13 +88,14 @@ struct Discovery {
   bool broadcast_answer = false;
 };
 struct ForceIp {
-  MacAddress mac{};           ///< Of the device that is meant.
-  std::uint32_t address = 0;  ///< 0: the device shall find itself an address as it is configured.
+  MacAddress mac{};           ///< Address of the device that is meant.
+  std::uint32_t address = 0;  ///< 0: the device chooses an address by its configuration.
   std::uint32_t mask = 0;
   std::uint32_t gateway = 0;
 };
 struct PacketResend {
-  static constexpr std::uint32_t kToTheEnd = 0x00FF'FFFF;  ///< As `last`, with short identifiers.
+  /// Value of `last`: all to the end, with short identifiers.
+  static constexpr std::uint32_t kToTheEnd = 0x00FF'FFFF;
   static constexpr std::uint32_t kToTheEndExtended = 0xFFFF'FFFF;
 
   std::uint16_t channel = 0;
@@ -215,16 +216,17 @@ struct RegisterValue {
 
 // --- Acknowledges. ---
 
-/// An acknowledge to be filled by the caller, who then calls finish().
+/// Returns an acknowledge to be filled by the caller, who then calls finish().
 [[nodiscard]] GvcpPacket begin_acknowledge(Status status, std::uint16_t acknowledge,
                                            std::uint16_t request);
-/// One without payload.
+/// Returns an acknowledge without payload.
 [[nodiscard]] GvcpPacket encode_acknowledge(Status status, std::uint16_t acknowledge,
                                             std::uint16_t request);
-/// Of WRITEREG (registers) and WRITEMEM (bytes): how many were written.
+/// Encodes the acknowledge of WRITEREG or WRITEMEM; `written`: number of registers or bytes
+/// written.
 [[nodiscard]] GvcpPacket encode_written(Status status, CommandCode command, std::uint16_t request,
                                         std::uint16_t written);
-/// The command takes up to so long.
+/// Encodes PENDING_ACK: the command takes up to `milliseconds`.
 [[nodiscard]] GvcpPacket encode_pending(std::uint16_t request, std::uint16_t milliseconds);
 
 struct Acknowledge {
@@ -242,7 +244,7 @@ struct MemoryContent {
   std::span<const std::uint8_t> bytes;
 };
 [[nodiscard]] Decoded<MemoryContent> decode_memory(const Acknowledge& acknowledge);
-/// Of WRITEREG and WRITEMEM: how many were written; of PENDING: milliseconds.
+/// Returns the number written (WRITEREG, WRITEMEM) or the milliseconds (PENDING).
 [[nodiscard]] Decoded<std::uint16_t> decode_count(const Acknowledge& acknowledge);
 
 }  // namespace rigwire::protocols::gige_vision

@@ -151,14 +151,14 @@ struct PartLeader {
 };
 
 struct ChunkTrailer {
-  std::uint32_t payload_length = 0;  ///< Of pictures and chunks together, bytes.
-  std::uint32_t layout = 0;          ///< Other when the chunks that are there are others.
+  std::uint32_t payload_length = 0;  ///< Bytes of pictures and chunks together.
+  std::uint32_t layout = 0;          ///< Identifier that changes when the set of chunks changes.
 
   friend bool operator==(const ChunkTrailer&, const ChunkTrailer&) = default;
 };
 struct Trailer {
   bool multipart = false;
-  std::uint32_t height = 0;  ///< Of an image: lines that were sent. 0 of a multi-part block.
+  std::uint32_t height = 0;  ///< Lines sent of an image. 0 for a multi-part block.
   std::optional<ChunkTrailer> chunks;
 
   friend bool operator==(const Trailer&, const Trailer&) = default;

@@ -33,7 +33,7 @@ enum class PixelFormatCode : std::uint32_t {
 
 struct PixelFormatName {
   PixelFormatCode code;
-  std::string_view name;  ///< As clients know it.
+  std::string_view name;  ///< Name used by clients.
 };
 inline constexpr std::array kPixelFormats{
     PixelFormatName{PixelFormatCode::mono8, "Mono8"},

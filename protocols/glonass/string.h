@@ -17,7 +17,7 @@ namespace rigwire::protocols::glonass {
 inline constexpr std::int32_t kStringSeconds = 2;
 inline constexpr std::int32_t kFrameSeconds = 30;
 inline constexpr std::int32_t kFramesOfSuperframe = 5;
-inline constexpr std::int32_t kTimeStep_s = 900;  ///< Of Ephemeris::time_of_day_s.
+inline constexpr std::int32_t kTimeStep_s = 900;  ///< Step of Ephemeris::time_of_day_s.
 
 /// 85 bits, bit 85 highest in the first word; the last eleven bits are 0.
 using String = std::array<std::uint32_t, 3>;

@@ -19,7 +19,7 @@ constexpr std::size_t kHeaderSize = 4                // magic
 constexpr std::size_t kChunkHeaderSize = 4           // length
                                          + 4;        // type
 
-// Of accessors and buffer views (3.6.2.2, 5.11.5).
+// Constants of accessors and buffer views (3.6.2.2, 5.11.5).
 constexpr int kUnsignedByte = 5121;
 constexpr int kUnsignedInt = 5125;
 constexpr int kFloat = 5126;
@@ -109,7 +109,7 @@ class Writer {
   [[nodiscard]] bool empty() const { return materials_ == 0; }
 
  private:
-  /// Of the bytes from there on; its number.
+  /// Adds a buffer view of the bytes from `from` on and returns its number.
   std::string view(std::size_t from, int target) {
     views_ += (view_count_ == 0 ? "" : ",") +
               (R"({"buffer":0,"byteOffset":)" + std::to_string(from)) + R"(,"byteLength":)" +

@@ -67,9 +67,12 @@ class StreamClock {
   int leap_seconds_;
   bool begun_ = false;
   std::int64_t now_ns_ = 0;
-  std::int64_t of_day_ns_ = 0;              ///< Of the last message, or counted on from there.
-  std::optional<std::int64_t> of_week_ns_;  ///< Likewise, once a message told it.
-  std::optional<std::int64_t> date_ns_;     ///< UTC since 1970, likewise.
+  /// Time of day of the last message, or extrapolated from it.
+  std::int64_t of_day_ns_ = 0;
+  /// Time of week, once a message reported it; else extrapolated.
+  std::optional<std::int64_t> of_week_ns_;
+  /// UTC since 1970, once a message reported it; else extrapolated.
+  std::optional<std::int64_t> date_ns_;
 };
 
 }  // namespace rigwire::protocols::gnss_stream

@@ -19,7 +19,7 @@ inline constexpr std::size_t kSatellites = 32;
 
 struct Almanac {
   std::uint8_t prn = 0;               ///< 1..32.
-  std::int32_t week = 0;              ///< Of almanac_time_s, not rolled over.
+  std::int32_t week = 0;              ///< Week of almanac_time_s, not rolled over.
   std::uint8_t health = 0;            ///< 8 bits, 0 = all good.
   double almanac_time_s = 0.0;        ///< toa, time of week, a multiple of 4096 s.
   double clock_bias_s = 0.0;          ///< af0.
@@ -48,13 +48,13 @@ void put_almanac(SubframeData& data, const Almanac& almanac);
 /// the axis is that of its whole mean motion, harmonic corrections are left out. Quantised.
 [[nodiscard]] Almanac reduced(const Ephemeris& ephemeris, std::int32_t week, double almanac_time_s);
 
-/// The almanac as an ephemeris: toe and toc are its time, everything that it does not tell is zero,
-/// the issue is the low byte of its time in steps of 4096 s.
+/// Returns the almanac as an ephemeris: toe and toc are its time, everything that it does not
+/// contain is zero, the issue is the low byte of its time in steps of 4096 s.
 [[nodiscard]] Ephemeris extended(const Almanac& almanac);
 
 /// Health of all satellites, in two pages.
 struct AlmanacHealth {
-  std::int32_t week = 0;        ///< Of the almanac; 8 bits in the message.
+  std::int32_t week = 0;        ///< Week of the almanac; 8 bits in the message.
   double almanac_time_s = 0.0;  ///< A multiple of 4096 s.
   /// 6 bits, 0 = all good, 0x3F = do not use; PRN 1 first.
   std::array<std::uint8_t, kSatellites> health{};

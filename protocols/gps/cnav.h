@@ -30,10 +30,10 @@ using CnavMessage = std::array<std::uint32_t, 10>;
 /// When a message begins: GPS week, not rolled over, and second, a multiple of 12.
 struct CnavTime {
   std::int32_t week = 0;
-  std::uint32_t second = 0;  ///< Of the week.
+  std::uint32_t second = 0;  ///< Second of the week.
 };
 
-/// Type of the message that begins at that second of the week.
+/// Returns the type of the message that begins at that second of the week.
 [[nodiscard]] std::uint8_t cnav_type_at(std::uint32_t second);
 
 /// Preconditions: prn 1..32, of which `broadcast` has an ephemeris; one of the types above.

@@ -14,13 +14,14 @@
 namespace rigwire::protocols::gps {
 
 struct Ephemeris {
-  std::uint8_t prn = 0;              ///< 1..32; not in the message, which is its satellite's own.
-  std::int32_t week = 0;             ///< Of ephemeris_time_s, since 1980-01-06, not rolled over.
-  std::uint8_t l2_code = 1;          ///< 2 bits: 1 P code, 2 C/A code on L2.
-  bool l2_p_data_off = false;        ///< L2 P data flag.
-  std::uint8_t accuracy_index = 0;   ///< URA, 0..15.
-  std::uint8_t health = 0;           ///< 6 bits, 0 = all good.
-  std::uint16_t issue_of_clock = 0;  ///< IODC, 10 bits.
+  std::uint8_t prn = 0;  ///< 1..32; not in the message, which is its satellite's own.
+  /// Week of ephemeris_time_s, since 1980-01-06, not rolled over.
+  std::int32_t week = 0;
+  std::uint8_t l2_code = 1;             ///< 2 bits: 1 P code, 2 C/A code on L2.
+  bool l2_p_data_off = false;           ///< L2 P data flag.
+  std::uint8_t accuracy_index = 0;      ///< URA, 0..15.
+  std::uint8_t health = 0;              ///< 6 bits, 0 = all good.
+  std::uint16_t issue_of_clock = 0;     ///< IODC, 10 bits.
   std::uint8_t issue_of_ephemeris = 0;  ///< IODE.
   bool long_fit = false;                ///< Fit interval flag: more than four hours.
   std::uint8_t age_of_data_offset = 0;  ///< AODO, 5 bits, steps of 900 s; 31 = none.
@@ -56,7 +57,7 @@ struct Ephemeris {
 void put_ephemeris(SubframeData& data, std::uint8_t id, const Ephemeris& ephemeris,
                    std::int32_t sent_week);
 
-/// The same with every field a whole number of the message's steps, as a receiver finds it.
+/// Returns the ephemeris with every field rounded to the message's steps, as a receiver finds it.
 [[nodiscard]] Ephemeris quantised(const Ephemeris& ephemeris);
 
 /// What three subframes with heads say together. `week_hint` is a week within 511 of the week in

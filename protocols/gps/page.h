@@ -22,7 +22,7 @@ inline constexpr std::uint8_t kPageHealthOfLast = 63;
 /// Klobuchar's model of the ionosphere, and GPS time to UTC.
 struct IonosphereUtc {
   std::array<double, 4> alpha{};  ///< s, s/semicircle, s/semicircle2, s/semicircle3.
-  std::array<double, 4> beta{};   ///< The same units.
+  std::array<double, 4> beta{};   ///< Units of alpha.
   double utc_a0_s = 0.0;
   double utc_a1 = 0.0;                  ///< s/s.
   double utc_reference_time_s = 0.0;    ///< tot, a multiple of 4096 s.

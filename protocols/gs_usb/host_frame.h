@@ -36,7 +36,7 @@ namespace rigwire::protocols::gs_usb {
 
 inline constexpr std::uint8_t kEndpointToHost = 0x81;
 inline constexpr std::uint8_t kEndpointToDevice = 0x02;
-/// Of both endpoints, without CAN FD.
+/// Max packet size of both endpoints, without CAN FD.
 inline constexpr std::size_t kPacketBytes = 32;
 
 /// Echo number of what was received from the bus.
@@ -65,10 +65,10 @@ struct HostFrame {
   friend bool operator==(const HostFrame&, const HostFrame&) = default;
 };
 
-/// The frame that a controller sends for this; bits that its format does not have are left out.
-/// Nothing for an error frame, which cannot be sent.
+/// Returns the frame that a controller sends for this; bits that its format does not have are left
+/// out. nullopt for an error frame, which cannot be sent.
 [[nodiscard]] std::optional<can::Frame> to_can(const HostFrame& frame);
-/// As received from the bus.
+/// Returns the frame as received from the bus.
 [[nodiscard]] HostFrame from_can(const can::Frame& frame);
 
 struct HostFrameBytes {

@@ -190,7 +190,7 @@ struct AuxiliaryValveMeasuredPosition {
 
   double position_share = kNotAvailable;  ///< -1 .. 1 of full spool travel.
   std::uint8_t state = 15;                ///< ValveState.
-  double position_m = kNotAvailable;      ///< Of the spool.
+  double position_m = kNotAvailable;      ///< Position of the spool, m.
 
   static constexpr auto parameters() {
     using M = AuxiliaryValveMeasuredPosition;

@@ -44,8 +44,8 @@ inline constexpr std::uint8_t kManagementPriority = 6;
 [[nodiscard]] Decoded<std::uint64_t> decode_address_claim(const can::Frame& frame);
 
 struct CommandedAddress {
-  std::uint64_t name = 0;    ///< Of the node that is meant.
-  std::uint8_t address = 0;  ///< That it shall claim.
+  std::uint64_t name = 0;    ///< NAME of the addressed node.
+  std::uint8_t address = 0;  ///< Address that it shall claim.
 
   friend bool operator==(const CommandedAddress&, const CommandedAddress&) = default;
 };
@@ -61,8 +61,8 @@ enum class Acknowledge : std::uint8_t { positive = 0, negative = 1, access_denie
 struct Acknowledgement {
   Acknowledge control = Acknowledge::positive;
   std::uint8_t group_function = 0xFF;     ///< 0xFF: not applicable.
-  std::uint8_t address = kGlobalAddress;  ///< Who is acknowledged.
-  std::uint32_t pgn = 0;                  ///< What is acknowledged.
+  std::uint8_t address = kGlobalAddress;  ///< Address of the node that is acknowledged.
+  std::uint32_t pgn = 0;                  ///< Group that is acknowledged.
 
   friend bool operator==(const Acknowledgement&, const Acknowledgement&) = default;
 };

@@ -28,7 +28,8 @@ inline constexpr std::uint32_t kTransportManagementPgn = 60416;  ///< EC00, addr
 inline constexpr std::uint32_t kTransportDataPgn = 60160;        ///< EB00, addressed, 8 bytes.
 inline constexpr std::uint8_t kTransportPriority = 7;
 
-inline constexpr std::size_t kPacketBytes = 8 - 1;  ///< Of a frame, after the packet's number.
+/// Data bytes of a frame, after the packet's number.
+inline constexpr std::size_t kPacketBytes = 8 - 1;
 inline constexpr std::size_t kLeastTransported = 9;
 inline constexpr std::size_t kGreatestTransported = 255 * kPacketBytes;
 static_assert(kGreatestTransported == 1785);
@@ -48,27 +49,29 @@ enum class TransportControl : std::uint8_t {
 
 /// Why a session ends early.
 enum class AbortReason : std::uint8_t {
-  busy = 1,                  ///< Already in a session, and cannot support another one.
-  no_resources = 2,          ///< Needed for another task.
-  timeout = 3,               ///<
+  busy = 1,          ///< Already in a session, and cannot support another one.
+  no_resources = 2,  ///< Needed for another task.
+  timeout = 3,
   clear_while_sending = 4,   ///< Clear to send before the last portion was sent.
-  too_many_repetitions = 5,  ///< Of a portion.
-  unexpected_packet = 6,     ///< Data while none was granted.
-  bad_sequence = 7,          ///< A number that cannot be.
-  duplicate_sequence = 8,    ///< Not sent by this project: a packet that was there is left out.
-  too_long = 9,              ///< More than 1785 bytes.
+  too_many_repetitions = 5,  ///< A portion was repeated too often.
+  unexpected_packet = 6,     ///< Data although none was granted.
+  bad_sequence = 7,          ///< A sequence number that is not possible.
+  /// Not sent by this project: a packet that was received already is ignored.
+  duplicate_sequence = 8,
+  too_long = 9,  ///< More than 1785 bytes.
   other = 250,
 };
 
-/// One management frame; members that its control does not use are not looked at.
+/// One management frame; members that its control does not use are ignored.
 struct TransportManagement {
   TransportControl control = TransportControl::abort;
-  std::uint16_t size = 0;     ///< Of the message, bytes.
-  std::uint8_t packets = 0;   ///< Of the message; clear to send: of the portion, 0 is "hold".
-  std::uint8_t limit = 0xFF;  ///< Request to send: greatest packets in one portion.
+  std::uint16_t size = 0;  ///< Size of the message, bytes.
+  /// Packets of the message; clear to send: of the portion, 0 is "hold".
+  std::uint8_t packets = 0;
+  std::uint8_t limit = 0xFF;  ///< Request to send: max packets in one portion.
   std::uint8_t next = 0;      ///< Clear to send: number of the portion's first packet.
   AbortReason reason = AbortReason::other;
-  std::uint32_t pgn = 0;  ///< Of the message.
+  std::uint32_t pgn = 0;  ///< Group of the message.
 
   friend bool operator==(const TransportManagement&, const TransportManagement&) = default;
 };

@@ -57,13 +57,13 @@ struct Channel {
   std::uint16_t id = 0;
   std::uint16_t schema = 0;  ///< 0: none.
   std::string topic;
-  std::string encoding;  ///< Of its messages: "json".
+  std::string encoding;  ///< Encoding of its messages: "json".
 };
 
 struct Message {
   std::uint16_t channel = 0;
   std::uint32_t sequence = 0;
-  std::uint64_t time_ns = 0;  ///< Of logging; that of publishing is written alike.
+  std::uint64_t time_ns = 0;  ///< Log time; the publish time is written with the same value.
   std::string_view data;
 };
 

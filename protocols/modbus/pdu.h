@@ -200,7 +200,7 @@ struct DeviceIdentificationResponse {
                          const DeviceIdentificationResponse&) = default;
 };
 struct ExceptionResponse {
-  std::uint8_t function = 0;  ///< Of the request, without the exception flag.
+  std::uint8_t function = 0;  ///< Function of the request, without the exception flag.
   ExceptionCode code = ExceptionCode::illegal_function;
   friend bool operator==(const ExceptionResponse&, const ExceptionResponse&) = default;
 };
@@ -218,9 +218,9 @@ struct Pdu {
 
 /// A request that a server answers with an exception before it looks at its registers.
 struct Refusal {
-  std::uint8_t function = 0;  ///< As received, flag stripped.
+  std::uint8_t function = 0;  ///< Function as received, without the exception flag.
   ExceptionCode code = ExceptionCode::illegal_function;
-  bool wrong_length = false;  ///< The PDU is shorter or longer than its function says.
+  bool wrong_length = false;  ///< The PDU is shorter or longer than its function requires.
   friend bool operator==(const Refusal&, const Refusal&) = default;
 };
 

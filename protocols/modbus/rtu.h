@@ -32,9 +32,10 @@ inline constexpr std::size_t kRtuFrameMinimum = kRtuAddressSize + 1 /* function 
 inline constexpr std::size_t kRtuFrameMaximum = kRtuAddressSize + kPduMaximum + kRtuCheckSize;
 static_assert(kRtuFrameMinimum == 4 && kRtuFrameMaximum == 256);
 
-/// Polynomial 8005 hex reflected, start FFFF hex. Of a frame with its own check: 0.
+/// Returns the checksum: polynomial 8005 hex reflected, start FFFF hex. Over a frame with its own
+/// checksum: 0.
 [[nodiscard]] std::uint16_t crc16(std::span<const std::uint8_t> bytes);
-/// The same, going on from the check of what came before.
+/// Returns the checksum `before` of the preceding bytes, continued by `byte`.
 [[nodiscard]] std::uint16_t crc16(std::uint16_t before, std::uint8_t byte);
 inline constexpr std::uint16_t kCrcStart = 0xFFFF;
 

@@ -45,7 +45,7 @@ struct Date {
 };
 
 struct SatelliteInView {
-  /// As the sentences print it (satellite_numbers.h); 0 prints an empty field: not identified.
+  /// Number in the sentences (satellite_numbers.h); 0 is written as an empty field: not identified.
   int number = 0;
   std::optional<int> elevation_deg;
   std::optional<int> azimuth_deg;

@@ -9,9 +9,9 @@
 
 namespace rigwire::protocols::nmea {
 
-/// Of a sentence of that type ("GGA"), `index` counted from 0 behind the address. Empty for a type
-/// or a field that is not in the table.
-/// `count`: fields of the sentence, as GSV has a last one behind one to four satellites.
+/// Returns the name of field `index` of a sentence of that type ("GGA"), counted from 0 after the
+/// address. Empty for a type or a field that is not in the table. `count`: fields of the sentence;
+/// GSV has a last one after one to four satellites.
 [[nodiscard]] std::string_view field_name(std::string_view type, std::size_t index,
                                           std::size_t count);
 

@@ -100,7 +100,7 @@ void put_coordinates(Sentence& sentence, const Epoch& epoch) {
   put_angle(sentence, epoch.longitude_deg, 3, decimals, "EW");
 }
 
-/// The same four fields, empty without fix.
+/// Writes the four position fields, empty without fix.
 void put_position(Sentence& sentence, const Epoch& epoch) {
   if (has_fix(epoch)) {
     put_coordinates(sentence, epoch);

@@ -1,7 +1,7 @@
-// Which body axis and which sign each value on the wire has: the one place that says so.
+// Body axis and sign of each value on the wire, defined in one place.
 //
-// The device thinks in x forward, y right, z down (aerospace). Its user-behaviour word changes what
-// it sends (openIMU300-lib, default 0xC248):
+// The device uses x forward, y right, z down (aerospace). Its user-behaviour word changes what it
+// sends (openIMU300-lib, default 0xC248):
 //   swap_pitch_roll  angles and rates in the order pitch, roll, yaw and accelerations in the order
 //                    lateral, longitudinal, vertical, as the J1939 annex names them; otherwise in
 //                    the order x, y, z.

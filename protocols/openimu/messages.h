@@ -149,7 +149,7 @@ struct Acceleration {
   std::uint8_t lateral_merit = FigureOfMerit::kFunctional;
   std::uint8_t longitudinal_merit = FigureOfMerit::kFunctional;
   std::uint8_t vertical_merit = FigureOfMerit::kFunctional;
-  std::uint8_t variable_repetition_rate = 2;  ///< As both firmwares send it.
+  std::uint8_t variable_repetition_rate = 2;  ///< The value that both firmwares send.
   double latency_ms = 0.0;                    ///< The 300RI always sends 0 here.
 
   static constexpr auto parameters() {

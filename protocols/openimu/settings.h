@@ -59,11 +59,11 @@ inline constexpr CommandMap kDeliveredCommands{0x50, 0x51, 0x52, 0x53, 0x54, 0x5
 [[nodiscard]] constexpr std::uint32_t pgn_of(const CommandMap& map, Command command) {
   return 0xFF00U | map[static_cast<std::size_t>(command)];
 }
-/// The command of a group; nothing when there is none.
+/// Returns the command of a group; nullopt if there is none.
 [[nodiscard]] std::optional<Command> command_of(const CommandMap& map, std::uint32_t pgn);
 
-/// Which commands the bytes after the address of a bank message move, in their order; bytes beyond
-/// have no meaning. Empty when the device has no such bank.
+/// Returns the commands whose groups the bytes after the address of a bank message set, in their
+/// order; further bytes have no meaning. Empty if the device has no such bank.
 [[nodiscard]] std::span<const Command> bank_commands(std::uint32_t pgn, bool is_300);
 
 /// Takes a bank message's bytes (those after the address). The 300RI refuses all of them when one
@@ -205,7 +205,7 @@ struct MagneticAlignment {
                                                std::uint8_t source,
                                                const CommandMap& map = kDeliveredCommands);
 
-/// As the 335RI sends it: eight bytes.
+/// Returns the frame filled up to eight bytes, as the 335RI sends it.
 [[nodiscard]] can::Frame filled_up(can::Frame frame);
 
 }  // namespace rigwire::protocols::openimu

@@ -97,16 +97,17 @@ std::span<std::uint8_t> append_ip(Bytes& out, std::uint8_t protocol, std::uint32
   return ip.subspan(kIpHead);
 }
 
-/// What an IPv4 packet carries.
+/// Payload of an IPv4 packet.
 struct IpContent {
   std::uint32_t from = 0;
   std::uint32_t to = 0;
-  std::size_t offset = 0;  ///< Of `bytes` in the packet.
-  std::size_t length = 0;  ///< As the head says; `bytes` may be longer (padding) or shorter.
+  std::size_t offset = 0;  ///< Offset of `bytes` in the packet.
+  std::size_t length = 0;  ///< Length in the head; `bytes` may be longer (padding) or shorter.
   std::span<const std::uint8_t> bytes;
 };
 
-/// Of that protocol, at least `needed` bytes.
+/// Returns the payload of an IPv4 packet of that protocol. Malformed if it is shorter than `needed`
+/// bytes.
 Decoded<IpContent> ip_content(std::span<const std::uint8_t> packet, LinkType link,
                               std::uint8_t protocol, std::size_t needed) {
   const auto shorter_than = [&](std::size_t size) { return packet.size() < size; };

@@ -112,7 +112,7 @@ class TcpConversation {
     use(Side::server, segment(Side::server, kSyn | kAck, {}));
     use(Side::client, segment(Side::client, kAck, {}));
   }
-  /// As many segments as the bytes need.
+  /// Sends the bytes in as many segments as they need.
   template <class Use>
   void data(Side from, std::span<const std::uint8_t> bytes, const Use& use) {
     while (!bytes.empty()) {

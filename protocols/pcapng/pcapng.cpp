@@ -162,11 +162,11 @@ class View {
 
 constexpr Malformed kCutOption{"an option that is longer than its block", 0};
 
-/// Of an interface that does not say.
+/// Resolution of an interface that does not give one.
 constexpr std::uint8_t kUsualResolution = 6;
 constexpr std::uint8_t kFinestResolution = 18;
 
-/// From here on a resolution is a power of two.
+/// At this value and above a resolution is a power of two.
 constexpr std::uint8_t kBinary = 0x80;
 constexpr std::uint8_t kFinestBinary = kBinary + 60;
 

@@ -36,7 +36,7 @@ enum class LinkType : std::uint16_t {
   linux_cooked = 113,    ///< Linux "any" device: sixteen bytes in front, the last two its protocol.
   socketcan = 227,       ///< struct can_frame, identifier in network order.
   rtac_serial = 250,     ///< A head of twelve bytes, then what the line carried.
-  linux_cooked_2 = 276,  ///< The same, twenty bytes, the first two its protocol.
+  linux_cooked_2 = 276,  ///< Linux "any" device: twenty bytes in front, the first two its protocol.
 };
 
 /// Seen from the device that is emulated, whose wire the interface is.
@@ -61,9 +61,9 @@ struct Packet {
   std::uint32_t interface = 0;  ///< Index in the section, from 0.
   std::uint64_t time_ns = 0;
   std::span<const std::uint8_t> bytes;
-  std::uint32_t original_length = 0;  ///< As it was on the wire; `bytes` may be less.
+  std::uint32_t original_length = 0;  ///< Length on the wire; `bytes` may be shorter.
   Direction direction = Direction::unknown;
-  std::uint64_t lost_before = 0;  ///< Since the packet before it on its interface.
+  std::uint64_t lost_before = 0;  ///< Lost packets since the one before it on its interface.
   std::string_view comment;       ///< Empty: none.
 };
 
@@ -98,7 +98,7 @@ class Reader {
   /// each other, a packet of an interface that was not described.
   [[nodiscard]] Decoded<Block> next(std::span<const std::uint8_t> bytes);
 
-  /// Of the present section.
+  /// Returns the interfaces of the present section.
   [[nodiscard]] const std::vector<Interface>& interfaces() const { return interfaces_; }
 
   static constexpr std::size_t kLongestBlock = 16 * 1024 * 1024;

@@ -34,15 +34,15 @@ struct NavigationFile {
   bool has_ionosphere = false;
   bool has_utc = false;
   bool has_leap_seconds = false;
-  std::size_t skipped_records = 0;       ///< Of other systems.
-  std::size_t skipped_header_lines = 0;  ///< With unknown labels; comments do not count.
+  std::size_t skipped_records = 0;       ///< Records of other systems.
+  std::size_t skipped_header_lines = 0;  ///< Header lines with unknown labels, except comments.
 };
 
 /// Throws std::invalid_argument "name:line: ..." for files that are cut, of another type or
 /// version, or have a field that is not what the format allows.
 [[nodiscard]] NavigationFile read_navigation(std::string_view text, std::string_view name);
 
-/// Who made a file and when, for its header.
+/// Program and person that made a file, and the date, for its header.
 struct Origin {
   std::string program = "rigwire";
   std::string run_by;

@@ -14,24 +14,26 @@ namespace rigwire::protocols::rinex {
 /// Walks over the lines of a text; line ends are LF or CR LF.
 class LineReader {
  public:
-  /// `name` is what errors call the file. Both must outlive the reader.
+  /// `name` is the file's name in errors. Both must outlive the reader.
   LineReader(std::string_view text, std::string_view name) : rest_(text), name_(name) {}
 
-  /// The next line without its end into `line`; false at the end of the text.
+  /// Writes the next line, without its end, to `line`; returns false at the end of the text.
   bool next(std::string_view& line);
-  /// As next(), for a line that must be there: throws with "expected" at the end of the text.
+  /// Reads a line like next(), but throws with "expected" at the end of the text.
   [[nodiscard]] std::string_view require(std::string_view expected);
-  /// The first character of the next line, '\0' at the end of the text or for an empty line.
+  /// Returns the first character of the next line, '\0' at the end of the text or for an empty
+  /// line.
   [[nodiscard]] char peek() const;
 
   /// Throws std::invalid_argument "name:line: message".
   [[noreturn]] void fail(const std::string& message) const;
 
-  /// The number in `text` (blanks around it, exponent by E or D), finite. `what` names it.
+  /// Returns the number in `text` (blanks around it, exponent by E or D), finite. `what` names it
+  /// in errors.
   [[nodiscard]] double number(std::string_view text, std::string_view what) const;
-  /// The same for a number that may be left blank.
+  /// Returns the number in `text`, or `blank` if the text is blank.
   [[nodiscard]] double number_or(std::string_view text, std::string_view what, double blank) const;
-  /// A whole number from `least` to `greatest`.
+  /// Returns the whole number in `text`, from `least` to `greatest`.
   [[nodiscard]] std::int32_t integer(std::string_view text, std::string_view what,
                                      std::int32_t least, std::int32_t greatest) const;
 

@@ -9,9 +9,9 @@ namespace rigwire::protocols::rinex {
 namespace {
 
 struct Quantity {
-  std::string_view name;  // As the line begins.
+  std::string_view name;  // Begin of the line.
   double least;
-  double beyond;  // The value is less.
+  double beyond;  // Exclusive upper limit.
   void (*set)(gps::Almanac&, double);
 };
 

@@ -128,9 +128,9 @@ void walk_moving(Bits& bits, Record& p) {
 struct LegacyForm {
   unsigned time_bits;
   unsigned channel_bits;  ///< 0: no channel.
-  unsigned range_bits;    ///< Of L1, in steps of 0.02 m, within the modulus ...
+  unsigned range_bits;    ///< L1 pseudorange in steps of 0.02 m, modulo `modulus_m`.
   unsigned modulus_bits;
-  double modulus_m;  ///< ... which is counted.
+  double modulus_m;  ///< Modulus of the pseudorange, m.
 };
 constexpr LegacyForm kGps{30, 0, 24, 8, legacy_modulus_m(false)};
 constexpr LegacyForm kGlonass{27, 5, 25, 7, legacy_modulus_m(true)};

@@ -39,7 +39,7 @@ inline constexpr std::uint16_t kGreatestStation = 4095;
 struct AntennaPosition {
   std::uint16_t station = 0;   ///< DF003.
   std::uint8_t itrf_year = 0;  ///< DF021; 0: not said.
-  bool gps = true;             ///< Which systems the station serves.
+  bool gps = true;             ///< Systems that the station serves.
   bool glonass = true;
   bool galileo = true;
   bool computed = false;               ///< A network's, at no physical place (DF141).
@@ -78,8 +78,8 @@ struct StationDescriptors {
   };
 
   std::uint16_t station = 0;
-  Text antenna;             ///< As the IGS names it, with its radome.
-  std::uint8_t set_up = 0;  ///< Changes with what is done to the antenna (DF031).
+  Text antenna;             ///< Antenna name of the IGS, with its radome.
+  std::uint8_t set_up = 0;  ///< Changes with every change of the antenna (DF031).
   Text antenna_serial;
   Text receiver;
   Text firmware;
@@ -92,8 +92,8 @@ struct StationDescriptors {
 struct SignalObservation {
   std::optional<double> range_m;   ///< Pseudorange.
   std::optional<double> phase_m;   ///< Carrier phase times wavelength; grows with the range.
-  std::optional<double> rate_mps;  ///< Of the phase; in MSM5 and MSM7 only.
-  double locked_s = 0.0;           ///< At least so long without a slip.
+  std::optional<double> rate_mps;  ///< Rate of the phase; in MSM5 and MSM7 only.
+  double locked_s = 0.0;           ///< Min time since the last slip.
   bool half_cycle = false;         ///< The phase may be off by half a cycle; MSM only.
   double cn0_dbhz = 0.0;           ///< 0: not said.
 
@@ -170,7 +170,7 @@ struct MultipleSignals {
   std::uint32_t epoch =
       0;                   ///< DF004, DF248, DF427, or day and time of day of GLONASS; msm_epoch().
   bool more = false;       ///< Further messages of this epoch follow.
-  std::uint8_t issue = 0;  ///< Of the station's data (DF409).
+  std::uint8_t issue = 0;  ///< Issue of the station's data (DF409).
   std::uint8_t clock_steering = 0;
   std::uint8_t external_clock = 0;
   bool divergence_free = false;

@@ -13,7 +13,7 @@ constexpr std::array<std::uint16_t, 4> kBases{1070, 1080, 1090, 1120};
 // What the forms differ in, RTCM 10403.3 tables 3.5-80 to 3.5-88 and the fields they name.
 struct Width {
   unsigned bits;
-  double step;  ///< Of ranges: light milliseconds.
+  double step;  ///< For ranges in light milliseconds.
 
   [[nodiscard]] std::int64_t none() const { return -(std::int64_t{1} << (bits - 1)); }
 };

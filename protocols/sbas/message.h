@@ -32,16 +32,17 @@ struct Message {
   friend bool operator==(const Message&, const Message&) = default;
 };
 
-/// `second` of the week chooses the preamble: 0x53, 0x9A, 0xC6 in turn.
+/// Returns a null message. `second` of the week selects the preamble: 0x53, 0x9A, 0xC6 in turn.
 [[nodiscard]] Message null_message(std::uint32_t second);
 
-/// Which satellites the corrections are of, by number - 1 of GPS; `issue` 0..3.
+/// Returns the mask of the satellites with corrections; bit n of `gps` is GPS satellite n + 1.
+/// `issue` 0..3.
 [[nodiscard]] Message mask_message(std::uint32_t second, const std::bitset<32>& gps,
                                    std::uint8_t issue);
 
 /// A fast correction of one satellite of the mask.
 struct FastCorrection {
-  std::int16_t range_steps = 0;  ///< Of 0.125 m, +-256 m.
+  std::int16_t range_steps = 0;  ///< Range correction in steps of 0.125 m, +-256 m.
   std::uint8_t error_index =
       14;  ///< UDREI: 0..13 by growing error, 14 not monitored, 15 not to use.
 };

@@ -1,5 +1,5 @@
-// Which frames an adapter hands to its client: the acceptance filter of the SJA1000, that LAWICEL's
-// commands M (code), m (mask) and W (mode) set.
+// Acceptance filter of the SJA1000: it selects the frames that an adapter passes to its client.
+// LAWICEL's commands M (code), m (mask) and W (mode) set it.
 //
 // Sources: NXP SJA1000 data sheet, rev. 04, 6.4.15 (PeliCAN mode); LAWICEL AB, "CANUSB manual"
 // 1.0D, commands M, m, W. Registers AC0..AC3 and AM0..AM3, AC0 in the highest byte; a mask bit of 1

@@ -107,7 +107,7 @@ struct AidEph {
   static constexpr std::size_t kLength = AidEphHead::kLength + 3 * 8 * 4 /*words*/;
 
   std::uint32_t satellite = 0;
-  std::uint32_t handover_word = 0;           ///< Of the first subframe, 17 bits.
+  std::uint32_t handover_word = 0;           ///< HOW of the first subframe, 17 bits.
   std::array<std::uint32_t, 8> subframe1{};  ///< Words 3..10, 24 bits each, no parity.
   std::array<std::uint32_t, 8> subframe2{};
   std::array<std::uint32_t, 8> subframe3{};

@@ -167,7 +167,7 @@ struct CfgNav5 {
   static constexpr MessageId kId{0x06, 0x24};
   static constexpr std::size_t kLength = 36 /*with reserved bytes*/;
 
-  std::uint16_t mask = 0;          ///< Which fields a set applies.
+  std::uint16_t mask = 0;          ///< Fields that a set message applies.
   std::uint8_t dynamic_model = 0;  ///< 0 portable, 4 automotive, ...
   std::uint8_t fix_mode = 0;       ///< 1 2D only, 2 3D only, 3 automatic.
   std::int32_t fixed_altitude_cm = 0;
@@ -246,10 +246,10 @@ struct CfgOdo {
   std::uint8_t flags = 0;                  ///< kOdoUse, ...
   std::uint8_t profile = 0;                ///< 0 running, 1 cycling, 2 swimming, 3 car, 4 custom.
   std::array<std::uint8_t, 6> reserved{};  ///< Not zero as delivered.
-  std::uint8_t course_speed_dmps = 0;      ///< Greatest of the low-speed course filter.
-  std::uint8_t course_accuracy_m = 0;      ///< Greatest of the low-speed course filter.
+  std::uint8_t course_speed_dmps = 0;      ///< Max speed of the low-speed course filter.
+  std::uint8_t course_accuracy_m = 0;      ///< Max accuracy of the low-speed course filter.
   std::uint8_t speed_gain = 0;             ///< 0 heavy .. 255 weak filtering.
-  std::uint8_t course_gain = 0;            ///< The same for the course.
+  std::uint8_t course_gain = 0;            ///< Course filter: 0 heavy .. 255 weak.
 
   static constexpr auto fields(auto& m) {
     return std::tie(m.version, gap<3>, m.flags, m.profile, m.reserved, m.course_speed_dmps,
@@ -288,7 +288,7 @@ struct CfgTmode3 {
   std::uint16_t flags = 0;
   std::array<std::int32_t, 3> position{};      ///< cm, or 1e-7 deg twice and cm.
   std::array<std::int8_t, 3> position_rest{};  ///< -99..99: 0.1 mm, or 1e-9 deg twice and 0.1 mm.
-  std::uint32_t accuracy_e4m = 0;              ///< Of the fixed position.
+  std::uint32_t accuracy_e4m = 0;              ///< Accuracy of the fixed position.
   std::uint32_t survey_least_duration_s = 0;
   std::uint32_t survey_accuracy_limit_e4m = 0;
 

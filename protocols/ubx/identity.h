@@ -39,7 +39,7 @@ struct LogInfo {
       8 /*version, capacity*/ + 8 /*reserved*/ + 12 /*log*/ + 16 /*dates*/ + 4 /*state*/;
 
   std::uint8_t version = 1;
-  std::uint32_t capacity_bytes = 0;        ///< Of the file store.
+  std::uint32_t capacity_bytes = 0;        ///< Capacity of the file store.
   std::array<std::uint8_t, 8> reserved{};  ///< Not zero as delivered.
   std::uint32_t greatest_log_bytes = 0;
   std::uint32_t log_bytes = 0;

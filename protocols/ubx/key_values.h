@@ -64,8 +64,8 @@ struct KeyChange {
 
 /// VALGET: the request's keys, for KeyReader, or the answer's keys and values, for KeyValueReader.
 struct KeyQuery {
-  std::uint8_t layer = 0;      ///< As it came; kLayerRam and the following ones exist.
-  std::uint16_t position = 0;  ///< So many items are left out at the beginning.
+  std::uint8_t layer = 0;      ///< Layer as received; kLayerRam and the following ones exist.
+  std::uint16_t position = 0;  ///< Number of items to skip at the beginning.
   std::span<const std::uint8_t> list;
   std::size_t count = 0;
 };

@@ -160,8 +160,8 @@ template <class Message>
   return frame;
 }
 
-/// The same into `out`, which has room for it (precondition); under another id where one message
-/// has two. Returns its size.
+/// Encodes a frame into `out`, which has room for it (precondition); under another id if the
+/// message has two. Returns the size of the frame.
 template <class Message>
 std::size_t encode(const Message& message, std::span<std::uint8_t> out,
                    MessageId id = Message::kId) {

@@ -262,7 +262,7 @@ struct MonRfBlock {
 
   std::uint8_t block = 0;           ///< 0 L1, 1 L2 or L5.
   std::uint8_t flags = 0;           ///< b0-1 jamming, as b2-3 of MonHw::flags.
-  std::uint8_t antenna_status = 0;  ///< As MonHw::antenna_status.
+  std::uint8_t antenna_status = 0;  ///< Coded as MonHw::antenna_status.
   std::uint8_t antenna_power = 0;   ///< 1 = on, 2 = unknown.
   std::uint32_t self_test = 0;
   std::uint16_t noise_per_ms = 0;

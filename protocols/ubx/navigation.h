@@ -74,7 +74,7 @@ struct NavPvt {
   std::uint32_t vertical_accuracy_mm = 0;
   std::array<std::int32_t, 3> velocity_ned_mmps{};
   std::int32_t ground_speed_mmps = 0;
-  std::int32_t heading_e5deg = 0;  ///< Of motion.
+  std::int32_t heading_e5deg = 0;  ///< Heading of motion.
   std::uint32_t speed_accuracy_mmps = 0;
   std::uint32_t heading_accuracy_e5deg = 0;
   std::uint16_t position_dilution_e2 = kNoDilution;
@@ -238,7 +238,7 @@ struct NavOdo {
   std::uint32_t time_of_week_ms = 0;   ///< GPS time of week of the navigation epoch.
   std::uint32_t distance_m = 0;        ///< Since NAV-RESETODO.
   std::uint32_t total_distance_m = 0;  ///< Since the last cold start.
-  std::uint32_t accuracy_m = 0;        ///< Of distance_m.
+  std::uint32_t accuracy_m = 0;        ///< Accuracy of distance_m.
 
   static constexpr auto fields(auto& m) {
     return std::tie(m.version, gap<3>, m.time_of_week_ms, m.distance_m, m.total_distance_m,
@@ -329,7 +329,7 @@ struct NavCov {
   std::uint8_t position_valid = 0;
   std::uint8_t velocity_valid = 0;
   std::array<float, 6> position_covariance_ned_m2{};     ///< NN, NE, ND, EE, ED, DD.
-  std::array<float, 6> velocity_covariance_ned_m2ps2{};  ///< The same order.
+  std::array<float, 6> velocity_covariance_ned_m2ps2{};  ///< NN, NE, ND, EE, ED, DD.
 
   static constexpr auto fields(auto& m) {
     return std::tie(m.time_of_week_ms, m.version, m.position_valid, m.velocity_valid, gap<9>,
@@ -467,8 +467,8 @@ struct NavTimeglo {
   std::uint32_t time_of_week_ms = 0;  ///< GPS time of week of the navigation epoch.
   std::uint32_t time_of_day_s = 0;    ///< UTC and three hours, rounded.
   std::int32_t time_of_day_rest_ns = 0;
-  std::uint16_t day = 0;        ///< Of the four years, 1..1461.
-  std::uint8_t four_years = 0;  ///< Since 1996, from 1.
+  std::uint16_t day = 0;        ///< Day of the four years, 1..1461.
+  std::uint8_t four_years = 0;  ///< Number of the four years since 1996, from 1.
   std::uint8_t valid = 0;       ///< b0 time of day, b1 date.
   std::uint32_t time_accuracy_ns = 0;
 
@@ -484,9 +484,9 @@ struct NavTimeOfSystem {
       4 /*time*/ + 8 /*time of week*/ + 2 /*week*/ + 2 /*leap, valid*/ + 4 /*accuracy*/;
 
   std::uint32_t time_of_week_ms = 0;        ///< GPS time of week of the navigation epoch.
-  std::uint32_t system_time_of_week_s = 0;  ///< Of the system, rounded.
+  std::uint32_t system_time_of_week_s = 0;  ///< Time of week of the system, rounded.
   std::int32_t system_time_of_week_rest_ns = 0;
-  std::int16_t week = 0;         ///< Of the system.
+  std::int16_t week = 0;         ///< Week of the system.
   std::int8_t leap_seconds = 0;  ///< The system's time minus UTC.
   std::uint8_t valid = 0;        ///< b0 time of week, b1 week, b2 leap seconds.
   std::uint32_t time_accuracy_ns = 0;
@@ -511,7 +511,7 @@ struct NavTimels {
 
   std::uint32_t time_of_week_ms = 0;  ///< GPS time of week of the navigation epoch.
   std::uint8_t version = 0;
-  /// Of leap_seconds: 0 default, 1 GPS and GLONASS, 2 GPS, 255 unknown.
+  /// Source of leap_seconds: 0 default, 1 GPS and GLONASS, 2 GPS, 255 unknown.
   std::uint8_t source = 0;
   std::int8_t leap_seconds = 0;       ///< GPS minus UTC.
   std::uint8_t change_source = 0;     ///< 0 none, 2 GPS.
@@ -587,7 +587,8 @@ struct NavSvinfoChannel {
 };
 
 /// NavSatBlock::flags.
-inline constexpr std::uint32_t kSatQualityMask = 0x0000'0007;  ///< As NavSvinfoChannel::quality.
+/// Coded as NavSvinfoChannel::quality.
+inline constexpr std::uint32_t kSatQualityMask = 0x0000'0007;
 inline constexpr std::uint32_t kSatUsed = 0x0000'0008;
 inline constexpr std::uint32_t kSatHealthy = 0x0000'0010;
 inline constexpr std::uint32_t kSatUnhealthy = 0x0000'0020;
@@ -657,13 +658,13 @@ struct NavSigBlock {
   static constexpr std::size_t kLength =
       4 /*signal*/ + 2 /*residual*/ + 4 /*quality*/ + 2 /*flags*/ + 4 /*reserved*/;
 
-  std::uint8_t system = 0;  ///< As NavSatBlock::system.
+  std::uint8_t system = 0;  ///< Coded as NavSatBlock::system.
   std::uint8_t satellite = 0;
   std::uint8_t signal = 0;          ///< GPS: 0 L1C/A, 3 L2CL, 4 L2CM.
   std::uint8_t frequency_slot = 0;  ///< GLONASS only: slot + 7.
   std::int16_t residual_dm = 0;
   std::uint8_t cn0_dbhz = 0;
-  std::uint8_t quality = 0;            ///< As NavSvinfoChannel::quality.
+  std::uint8_t quality = 0;            ///< Coded as NavSvinfoChannel::quality.
   std::uint8_t correction_source = 0;  ///< 0 none, 1 SBAS, 4 RTCM 3 observations.
   std::uint8_t ionosphere_model = 0;   ///< 0 none, 1 Klobuchar of GPS, 2 SBAS, 8 two frequencies.
   /// b0-1 health, b2 smoothed, b3-5 range, carrier, Doppler used, b6-8 the same corrected.
@@ -694,7 +695,7 @@ struct NavOrbHead {
 struct NavOrbBlock {
   static constexpr std::size_t kLength = 2 /*satellite*/ + 1 /*flags*/ + 3 /*orbits*/;
 
-  std::uint8_t system = 0;  ///< As NavSatBlock::system.
+  std::uint8_t system = 0;  ///< Coded as NavSatBlock::system.
   std::uint8_t satellite = 0;
   /// b0-1 health (1 healthy), b2-3 visibility (2 above horizon, 3 above mask).
   std::uint8_t flags = 0;

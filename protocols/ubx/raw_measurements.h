@@ -19,7 +19,7 @@ struct RxmRawHead {
   static constexpr MessageId kId{0x02, 0x10};
   static constexpr std::size_t kLength = 4 /*time*/ + 2 /*week*/ + 2 /*satellites, reserved*/;
 
-  std::int32_t time_of_week_ms = 0;  ///< Of the measurement, by the receiver's clock.
+  std::int32_t time_of_week_ms = 0;  ///< Time of the measurement by the receiver's clock.
   std::int16_t week = 0;
   std::uint8_t satellites = 0;
 
@@ -41,7 +41,7 @@ struct RxmRawBlock {
   /// 4 and more: range and Doppler; 6 and more: carrier too; 7: no half-cycle slip.
   std::int8_t quality = 0;
   std::int8_t cn0_dbhz = 0;
-  std::uint8_t loss_of_lock = 0;  ///< As in RINEX.
+  std::uint8_t loss_of_lock = 0;  ///< Loss of lock indicator of RINEX.
 
   static constexpr auto fields(auto& m) {
     return std::tie(m.carrier_phase_cycles, m.pseudorange_m, m.doppler_hz, m.satellite, m.quality,
@@ -66,7 +66,7 @@ struct RxmSfrbxHead {
   static constexpr MessageId kId{0x02, 0x13};
   static constexpr std::size_t kLength = 4 /*signal*/ + 4 /*words, channel, version, reserved*/;
 
-  std::uint8_t system = 0;  ///< As NavSatBlock::system.
+  std::uint8_t system = 0;  ///< Coded as NavSatBlock::system.
   std::uint8_t satellite = 0;
   std::uint8_t signal = 0;          ///< F9; reserved before it.
   std::uint8_t frequency_slot = 0;  ///< GLONASS only: slot + 7.
@@ -97,7 +97,7 @@ struct RxmRtcm {
 
   std::uint8_t version = 2;
   std::uint8_t flags = 0;     ///< b0 checksum failed, b1-2 use: 0 unknown, 1 not used, 2 used.
-  std::uint16_t subtype = 0;  ///< Of message 4072.
+  std::uint16_t subtype = 0;  ///< Subtype of message 4072.
   std::uint16_t station = 0;
   std::uint16_t message = 0;
 
@@ -125,7 +125,7 @@ struct RxmRawxHead {
   static constexpr std::size_t kLength =
       8 /*time*/ + 4 /*week, leap, measurements*/ + 4 /*status, version, reserved*/;
 
-  double time_of_week_s = 0.0;  ///< Of the measurement, by the receiver's clock.
+  double time_of_week_s = 0.0;  ///< Time of the measurement by the receiver's clock.
   std::uint16_t week = 0;
   std::int8_t leap_seconds = 0;
   std::uint8_t measurements = 0;
@@ -147,7 +147,7 @@ struct RxmRawxBlock {
   double pseudorange_m = 0.0;
   double carrier_phase_cycles = 0.0;
   float doppler_hz = 0.0F;  ///< Positive while the satellite comes nearer.
-  std::uint8_t system = 0;  ///< As NavSatBlock::system.
+  std::uint8_t system = 0;  ///< Coded as NavSatBlock::system.
   std::uint8_t satellite = 0;
   std::uint8_t signal = 0;          ///< F9: GPS 0 L1C/A, 3 L2CL, 4 L2CM.
   std::uint8_t frequency_slot = 0;  ///< GLONASS only: slot + 7.

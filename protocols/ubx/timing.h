@@ -40,7 +40,7 @@ struct TimTm2 {
   std::uint8_t channel = 0;
   /// b0 running, b2 new falling edge, b3-4 time base, b5 UTC, b6 valid, b7 new rising edge.
   std::uint8_t flags = 0;
-  std::uint16_t count = 0;  ///< Of rising edges.
+  std::uint16_t count = 0;  ///< Number of rising edges.
   std::uint16_t rising_week = 0;
   std::uint16_t falling_week = 0;
   std::uint32_t rising_time_of_week_ms = 0;

@@ -21,8 +21,9 @@ inline constexpr std::uint8_t kAtCommands = 1;            ///< Protocol V.250.
 inline constexpr std::uint8_t kDataClass = 10;
 inline constexpr std::uint8_t kClassInterface = 0x24;  ///< Type of functional descriptors.
 
-/// Of the abstract control model's functional descriptor; a request without its bit stalls.
-inline constexpr std::uint8_t kHasLineCoding = 0x02;  ///< And control line state, serial state.
+/// Capabilities of the abstract control model's functional descriptor; a request without its bit
+/// stalls.
+inline constexpr std::uint8_t kHasLineCoding = 0x02;
 inline constexpr std::uint8_t kHasBreak = 0x04;
 
 enum class Request : std::uint8_t {
@@ -31,7 +32,7 @@ enum class Request : std::uint8_t {
   set_control_line_state = 0x22,
   send_break = 0x23,
 };
-inline constexpr std::uint16_t kDataTerminalReady = 1;  ///< Of the control line state.
+inline constexpr std::uint16_t kDataTerminalReady = 1;  ///< Bit of the control line state.
 inline constexpr std::uint16_t kRequestToSend = 2;
 inline constexpr std::uint16_t kBreakUntilCleared = 0xFFFF;  ///< Milliseconds of send_break.
 

@@ -39,7 +39,8 @@ struct InterfaceDescriptor {
 };
 
 struct ConfigurationDescriptor {
-  std::uint8_t interface_count = 0;  ///< As it says; `interfaces` also lists alternates.
+  /// Number in the descriptor; `interfaces` also lists alternates.
+  std::uint8_t interface_count = 0;
   std::uint8_t value = 0;
   std::uint8_t text = 0;
   bool self_powered = false;

@@ -60,7 +60,7 @@ inline constexpr int kRz = 0x35;
 inline constexpr int kSlider = 0x36;
 }  // namespace usage
 
-inline constexpr int kApplication = 1;      ///< Of collections.
+inline constexpr int kApplication = 1;      ///< Type of a collection.
 inline constexpr int kDataVariable = 0x02;  ///< Input: data, variable, absolute.
 
 struct ItemValue {

@@ -16,18 +16,18 @@
 
 namespace rigwire::protocols::usbip {
 
-/// The host asks for a transfer.
+/// The host requests a transfer.
 struct Submit {
-  std::uint32_t number = 0;  ///< Of the transfer, the host's choice.
+  std::uint32_t number = 0;  ///< Number of the transfer, chosen by the host.
   std::uint32_t device = 0;  ///< Bus in the upper half, device in the lower.
   bool to_host = false;
   std::uint8_t endpoint = 0;  ///< 0 .. 15, without direction.
   std::uint32_t flags = 0;    ///< URB_* of Linux.
   std::uint32_t length = 0;   ///< Bytes to send along, or that may come back; below 2^31.
   std::uint32_t start_frame = 0;
-  std::uint32_t packets = 0;  ///< Isochronous packets; kNoPackets is told as 0.
+  std::uint32_t packets = 0;  ///< Isochronous packets; 0 for kNoPackets.
   std::uint32_t interval = 0;
-  usb::SetupBytes setup{};  ///< Of control transfers.
+  usb::SetupBytes setup{};  ///< Setup packet of control transfers.
 
   /// Bytes that follow the header: data to the device, records of isochronous packets.
   [[nodiscard]] std::size_t tail_size() const {
@@ -36,9 +36,9 @@ struct Submit {
   friend bool operator==(const Submit&, const Submit&) = default;
 };
 
-/// The host takes a transfer back.
+/// The host cancels a transfer.
 struct Unlink {
-  std::uint32_t number = 0;  ///< Of this message.
+  std::uint32_t number = 0;  ///< Number of this message.
   std::uint32_t device = 0;
   std::uint32_t transfer = 0;  ///< The number of the submit.
 

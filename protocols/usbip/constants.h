@@ -21,10 +21,11 @@ enum class Operation : std::uint16_t {
   import_reply = 0x0003,
 };
 
-/// Of an operation's reply. Linux knows more, but tells only failure from success.
+/// Status of an operation's reply. Linux knows more values, but distinguishes only failure from
+/// success.
 enum class OperationStatus : std::uint32_t { ok = 0, failed = 1 };
 
-/// On the connection that has imported a device.
+/// Commands on the connection that has imported a device.
 enum class Command : std::uint32_t {
   submit = 1,
   unlink = 2,
@@ -63,14 +64,14 @@ static_assert(kCommandHeaderSize == 48);
 inline constexpr std::size_t kIsochronousRecordSize =
     4 /* offset */ + 4 /* length */ + 4 /* actual */ + 4 /* status */;
 
-/// What Linux sends where there are no isochronous packets is 0, the document's is this.
+/// Value for "no isochronous packets" in the document; Linux sends 0.
 inline constexpr std::uint32_t kNoPackets = 0xFFFFFFFF;
 /// Transfer flag: an answer shorter than asked for is an error.
 inline constexpr std::uint32_t kShortNotOk = 1;
-/// As many as Linux sends in one transfer.
+/// Max number of packets that Linux sends in one transfer.
 inline constexpr std::uint32_t kPacketsMaximum = 1024;
-/// Bytes of one transfer to the device that are taken. Drivers of Linux stay far below; it bounds
-/// what a connection may hold.
+/// Max bytes of one transfer to the device. Drivers of Linux stay far below; it limits the memory
+/// of a connection.
 inline constexpr std::size_t kDataMaximum = std::size_t{1} << 20U;
 
 }  // namespace rigwire::protocols::usbip

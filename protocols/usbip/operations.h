@@ -19,8 +19,8 @@ namespace rigwire::protocols::usbip {
 
 /// One exported device.
 struct DeviceRecord {
-  std::string path;    ///< As the exporter's system calls it; at most 255 bytes.
-  std::string bus_id;  ///< What a client asks for, "1-1"; at most 31 bytes.
+  std::string path;    ///< Path in the exporter's system; at most 255 bytes.
+  std::string bus_id;  ///< Name that a client requests, "1-1"; at most 31 bytes.
   std::uint32_t bus = 0;
   std::uint32_t device = 0;
   usb::Speed speed = usb::Speed::full;  ///< Other numbers than the three are kept, up to 255.

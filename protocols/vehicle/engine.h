@@ -46,7 +46,7 @@ struct Eec2 {
   static constexpr Group kGroup{"EEC2", 61443, 3, std::chrono::milliseconds{50}};
 
   double pedal_share = kNotAvailable;
-  double load_share = kNotAvailable;  ///< Of the torque that the engine has at its speed.
+  double load_share = kNotAvailable;  ///< Share of the max torque at the present speed.
 
   static constexpr auto parameters() {
     return std::array{

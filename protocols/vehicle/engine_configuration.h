@@ -26,9 +26,9 @@ struct EngineConfiguration {
   double high_idle_radps = kNotAvailable;
   double governor_gain_prad = kNotAvailable;  ///< Torque share per missing rad/s.
   double reference_torque_nm = kNotAvailable;
-  double least_speed_radps = kNotAvailable;  ///< Of requested speeds ...
+  double least_speed_radps = kNotAvailable;  ///< Min of requested speeds.
   double greatest_speed_radps = kNotAvailable;
-  double least_torque_share = kNotAvailable;  ///< ... and torques.
+  double least_torque_share = kNotAvailable;  ///< Min of requested torques.
   double greatest_torque_share = kNotAvailable;
   double inertia_kgm2 = kNotAvailable;
 

@@ -1,5 +1,6 @@
-// Who a node is, in words: software (SOFT), component (CI), ECU (ECUID) and vehicle identification
-// (VI), in ASCII, each field ended by "*". Longer than a frame as a rule, and so sent by transport.
+// Identification of a node in ASCII texts: software (SOFT), component (CI), ECU (ECUID) and vehicle
+// identification (VI), each field ended by "*". Usually longer than a frame, and so sent by
+// transport.
 //
 // Sources: SAE J1939 digital annex (fields and their order); J1939-71, 5.2.5 (a field that is not
 // known has no characters, but its "*"). Software identification has a byte with the number of its
@@ -31,10 +32,10 @@ struct Identification {
   }
 };
 
-/// Fields in order. Characters that are not printable ASCII, and "*" itself, are sent as "_"; what
-/// does not fit is left out.
+/// Returns the fields in order. Characters that are not printable ASCII, and "*" itself, are sent
+/// as "_"; what does not fit is left out.
 [[nodiscard]] Identification make_identification(std::initializer_list<std::string_view> fields);
-/// The same after the number of fields.
+/// Returns the fields after a byte with their number.
 [[nodiscard]] Identification make_software_identification(
     std::initializer_list<std::string_view> fields);
 

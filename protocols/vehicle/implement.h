@@ -53,7 +53,7 @@ struct HitchStatus {
 using RearHitchStatus = HitchStatus<kRearHitch>;
 using FrontHitchStatus = HitchStatus<kFrontHitch>;
 
-/// The same of one end's power take-off.
+/// Suspect parameter numbers of one end's power take-off.
 struct PowerTakeOffNumbers {
   Group group;
   std::uint16_t speed;

@@ -22,11 +22,12 @@ struct Hpg {
   }
 };
 
-/// Which axles (or drums) steer, and how.
+/// Steering axles (or drums), and how they steer.
 enum class SteeringMode : std::uint8_t {
-  front = 0,    ///< The front one alone.
-  counter = 1,  ///< Both, against each other: the smallest circle.
-  crab = 2,     ///< Both by the crab angle the same way, and against each other for the curvature.
+  front = 0,    ///< Front axle only.
+  counter = 1,  ///< Both axles in opposite directions: the smallest circle.
+  /// Both by the crab angle in one direction, and in opposite directions for the curvature.
+  crab = 2,
   not_available = 0xF,
 };
 
@@ -45,7 +46,7 @@ struct MachineFunctionCommand {
   Switch vibration_front = Switch::not_available;
   Switch vibration_rear = Switch::not_available;
   std::uint8_t steering_mode = 0xF;       ///< SteeringMode; 4 bits.
-  double crab_angle_rad = kNotAvailable;  ///< Of both drums, left positive.
+  double crab_angle_rad = kNotAvailable;  ///< Crab angle of both drums, left positive.
   double edge_cutter_share = kNotAvailable;
   double spreader_rate_kgpm2 = kNotAvailable;
 
@@ -75,7 +76,7 @@ struct MachineFunctionState {
   double edge_cutter_share = kNotAvailable;
   double spreader_rate_kgpm2 = kNotAvailable;
   double hopper_mass_kg = kNotAvailable;
-  double slip_angle_rad = kNotAvailable;  ///< Of the odometry, left positive.
+  double slip_angle_rad = kNotAvailable;  ///< Slip angle of the odometry, left positive.
 
   static constexpr auto parameters() {
     using M = MachineFunctionState;

@@ -39,11 +39,11 @@ using Payload = std::array<std::uint8_t, kMessageBytes>;
 inline constexpr double kNotAvailable = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kError = std::numeric_limits<double>::infinity();
 
-/// What is no number is an error.
+/// Returns `value`, or kError if it is not finite.
 [[nodiscard]] inline double reading(double value) {
   return std::isfinite(value) ? value : kError;
 }
-/// The same without its sign.
+/// Returns the absolute value, or kError if it is not finite.
 [[nodiscard]] inline double magnitude(double value) {
   return reading(std::abs(value));
 }
@@ -175,7 +175,7 @@ template <class Message>
                                                   const Scale& scale, double Message::*member) {
   return {number_signal(name, spn, position, width, scale), member};
 }
-/// The same with the opposite sign on the wire.
+/// Returns the parameter with the opposite sign on the wire.
 template <class Message>
 [[nodiscard]] constexpr Parameter<Message> mirrored(Parameter<Message> parameter) {
   can::Signal& signal = parameter.signal;
@@ -301,9 +301,9 @@ template <class Message>
 // that encoder and decoder use. Physical values are those of the structures' members: SI units,
 // angles and curvatures left positive. The document's units and signs are SAE's.
 
-/// Who sends a message to whom, as its identifier and its table say.
+/// Sender and receiver of a message, for its identifier and its table.
 struct LayoutEnds {
-  std::string_view sender;  ///< Name of a device; empty: whoever controls it.
+  std::string_view sender;  ///< Name of a device; empty: the controlling device.
   std::uint8_t source = j1939::kNullAddress;
   std::uint8_t destination = j1939::kGlobalAddress;
 };

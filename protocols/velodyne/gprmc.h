@@ -45,10 +45,10 @@ class GprmcText {
   [[nodiscard]] std::string_view view() const { return {text_.data(), size_}; }
 
  private:
-  /// As printf; what does not fit is cut off.
+  /// Appends text like printf; what does not fit is cut off.
   [[gnu::format(printf, 2, 3)]] void append(const char* format, ...);
-  /// "ddmm.mmmm,N,dddmm.mmmm,E,", clamped to the globe. Rounded once, on the whole angle, so that
-  /// 60 minutes cannot appear.
+  /// Appends "ddmm.mmmm,N,dddmm.mmmm,E,", clamped to the globe. Rounded once, on the whole angle,
+  /// so that 60 minutes cannot appear.
   void append_position(double latitude_deg, double longitude_deg);
 
   std::array<char, 128> text_{};

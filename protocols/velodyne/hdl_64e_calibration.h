@@ -47,7 +47,7 @@ struct Hdl64eLaser {
   double dist_correction_y_m = 0.0;  ///< Found at 1.93 m along y.
   double vert_offset_m = 0.0;        ///< Exit above the foot of the sensor.
   double horiz_offset_m = 0.0;       ///< Exit to the left of the beam, +-0.026.
-  double focal_distance_m = 0.0;     ///< Of the receiver, for the intensity.
+  double focal_distance_m = 0.0;     ///< Focal distance of the receiver, for the intensity.
   double focal_slope = 0.0;
   std::uint8_t min_intensity = 0;
   std::uint8_t max_intensity = 255;
@@ -98,11 +98,12 @@ struct CorrectedPoint {
   double range_m = 0.0;  ///< From the beam's exit, along the beam.
 };
 
-/// What a client computes from a raw count, the rotor at `azimuth_deg` when the laser was shot.
+/// Returns the point that a client computes from a raw count, with the rotor at `azimuth_deg` when
+/// the laser fired.
 [[nodiscard]] CorrectedPoint corrected(const Hdl64eLaser& laser, double raw_counts,
                                        double azimuth_deg,
                                        NearCorrection near = NearCorrection::everywhere);
-/// The same of a laser that points there.
+/// Returns the point that a client computes for a laser that points along `beam`.
 [[nodiscard]] CorrectedPoint corrected(const Hdl64eLaser& laser, double raw_counts,
                                        const BeamDirection& beam,
                                        NearCorrection near = NearCorrection::everywhere);
@@ -113,9 +114,9 @@ struct CorrectedPoint {
 [[nodiscard]] double raw_counts(const Hdl64eLaser& laser, double range_m, double azimuth_deg,
                                 NearCorrection near = NearCorrection::everywhere);
 
-/// What clients add to a laser's raw intensity: the farther from its focus, the more.
+/// Term that clients add to a laser's raw intensity; it grows with the distance from its focus.
 struct FocusTerm {
-  double strength = 0.0;  ///< Of the focal slope.
+  double strength = 0.0;  ///< Strength of the term, from the focal slope.
   double at_focus = 0.0;  ///< (1 - focal distance / 131 m) squared.
 
   [[nodiscard]] double at(double raw_counts) const {

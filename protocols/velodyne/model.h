@@ -25,12 +25,12 @@ struct Laser {
   double azimuth_offset_deg = 0.0;  ///< Clockwise; calibration files print it with the opposite
                                     ///< sign, as rot_correction.
   double vertical_offset_mm =
-      0.0;  ///< Of the beam's exit on the spin axis; lower beams exit higher.
-  double horizontal_offset_mm = 0.0;  ///< Of the exit, to the right of the beam.
+      0.0;  ///< Height of the beam's exit on the spin axis; lower beams exit higher.
+  double horizontal_offset_mm = 0.0;  ///< Offset of the beam's exit, to the right of the beam.
   std::int32_t time_offset_ns = 0;    ///< After the first laser of the same firing.
 };
 
-/// What bytes 14 to 205 of a model's position packets hold.
+/// Content of bytes 14 to 205 of a model's position packets.
 enum class PositionLayout : std::uint8_t {
   none,      ///< HDL-64E: no position packets; time and pulse state go by the status channel.
   inertial,  ///< HDL-32E: gyroscopes, accelerometers, temperatures.
@@ -79,7 +79,7 @@ struct Model {
   bool status_channel = false;    ///< HDL-64E: factory bytes carry a rotating status instead.
   bool dual_return = false;       ///< Can send two returns per shot.
   bool web_interface = false;     ///< VLP family and VLS-128.
-  std::uint16_t source_port = 0;  ///< Of data packets; 0: as the destination's.
+  std::uint16_t source_port = 0;  ///< Source port of data packets; 0: the destination's.
   PacketHeaders headers{};
   NoReturnBytes no_return{};
   std::span<const Laser> lasers;  ///< In the order of their numbers, which is that in blocks.

@@ -46,13 +46,14 @@ struct BlockPlace {
 /// Flag of the blocks whose first laser this is.
 [[nodiscard]] std::uint16_t block_flag(std::size_t first_laser);
 
-/// Firings of all lasers that one packet holds.
+/// Returns the number of firings of all lasers in one packet.
 [[nodiscard]] std::size_t firings_per_packet(const Model& model, ReturnMode mode);
 
-/// From the first firing of a packet to that of the next one, while all firings are sent.
+/// Returns the time from the first firing of a packet to that of the next, while all firings are
+/// sent.
 [[nodiscard]] std::int32_t packet_period_ns(const Model& model, ReturnMode mode);
 
-/// Which laser a place in a packet belongs to, and when it fired.
+/// Laser of a position in a packet, and the time it fired.
 struct Shot {
   std::size_t laser = 0;
   std::size_t firing = 0;  ///< In the packet, from 0.

@@ -23,7 +23,7 @@ double fastest_counts_per_ns(const Model& model) {
   return kSpeedMargin * model.maximum_rotor_rpm / 60.0 * kAzimuthCounts * 1e-9;
 }
 
-/// Of what is within a turn of it.
+/// Wraps an azimuth that is at most one turn out of range to [0, 360).
 double wrapped_deg(double azimuth_deg) {
   return azimuth_deg < 0.0          ? azimuth_deg + kTurn_deg
          : azimuth_deg >= kTurn_deg ? azimuth_deg - kTurn_deg

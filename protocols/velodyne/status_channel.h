@@ -60,10 +60,10 @@ class StatusChannel {
   /// Validates the record's calibration, throws as validate() does.
   explicit StatusChannel(const StatusRecord& record);
 
-  /// A changed speed, view, warning; the calibration stays. Without allocation.
+  /// Applies a changed speed, view or warning; the calibration stays. Does not allocate.
   void update(const StatusRecord& record);
 
-  /// Of the packet of this number since power-up.
+  /// Returns the status byte of packet number `packet` since power-up.
   [[nodiscard]] StatusByte at(std::uint64_t packet, const StatusLive& live) const;
 
  private:
@@ -89,7 +89,7 @@ class StatusReader {
 
   StatusLive live_;
   std::array<std::uint8_t, kStatusRecordSize> bytes_{};
-  std::size_t size_ = 0;      ///< Of the record so far.
+  std::size_t size_ = 0;      ///< Bytes of the record so far.
   std::size_t in_cycle_ = 0;  ///< Pieces since the last version byte.
   std::size_t live_run_ = 0;  ///< Live values since the last piece.
   std::uint64_t rejected_ = 0;

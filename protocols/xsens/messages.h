@@ -66,12 +66,13 @@ using Values = std::array<double, kMaximumSignals>;
 [[nodiscard]] const Message* find(std::uint32_t id);
 [[nodiscard]] const Message& message(MessageId id);
 
-/// Values beyond what a signal carries are saturated; in their order, as many as the message has.
+/// Encodes one value per signal of the message, in their order. Values beyond what a signal carries
+/// are saturated.
 [[nodiscard]] can::Frame encode(MessageId id, std::span<const double> values, bool extended);
 
 struct Reading {
   const Message* message = nullptr;
-  Values values{};  ///< As many as the message has signals.
+  Values values{};  ///< One value per signal of the message.
 };
 /// Malformed unless the frame is a data frame of a known identifier with at least the message's
 /// length (the driver takes longer ones, too).

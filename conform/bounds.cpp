@@ -44,7 +44,7 @@ class LineMeter {
     }
     if (taken_ > limits_.question) {
       const std::string most = std::to_string(limits_.question >> 10U) + " KiB";
-      taken_ = 0;  // Who asks again is not refused for what came before.
+      taken_ = 0;  // The next question starts with a new allowance.
       throw TooMuch("at most " + most + " between two questions",
                     "more than " + most + ": the device sends without end");
     }

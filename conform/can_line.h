@@ -25,18 +25,18 @@ class CanLine {
   /// The next data or remote frame of others; nothing by the deadline.
   [[nodiscard]] virtual std::optional<protocols::can::Frame> receive(
       Clock::time_point deadline) = 0;
-  /// In which deadlines are (ByteLine::now).
+  /// Returns the present time of the clock that deadlines refer to (ByteLine::now).
   [[nodiscard]] virtual Clock::time_point now() const { return Clock::now(); }
 
  protected:
   CanLine() = default;
 };
 
-/// Of an endpoint on CAN (precondition); slcan without a bit rate is opened with 250 kbit/s. Throws
-/// Unreachable.
+/// Opens an endpoint on CAN (precondition); slcan without a bit rate is opened with 250 kbit/s.
+/// Throws Unreachable.
 [[nodiscard]] std::unique_ptr<CanLine> open_can(const Endpoint& endpoint);
 
-/// A frame as a step of a case carries it, and as captures have it: the kernel's struct can_frame.
+/// Returns a frame as stored in a step of a case and in captures: the kernel's struct can_frame.
 [[nodiscard]] std::vector<std::uint8_t> step_bytes(const protocols::can::Frame& frame);
 /// "620 40 00 10 00", "18EEFF80x ...".
 [[nodiscard]] std::string frame_text(const protocols::can::Frame& frame);

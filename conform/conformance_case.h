@@ -11,11 +11,11 @@
 
 namespace rigwire::conform {
 
-/// Of the sentence that a case cites.
+/// Strength of the requirement that a case cites.
 enum class Strength : std::uint8_t {
-  must,     ///< Otherwise it fails.
-  should,   ///< Otherwise the device is lenient.
-  observed  ///< Nothing is asked: what is seen is told.
+  must,     ///< Fails if it does not hold.
+  should,   ///< Lenient if it does not hold.
+  observed  ///< Nothing is required: the value seen is reported.
 };
 
 /// What a case does to the device.
@@ -47,7 +47,7 @@ enum class Verdict : std::uint8_t {
 [[nodiscard]] std::string_view word(Danger danger);
 [[nodiscard]] std::string_view word(Verdict verdict);
 
-/// Who a case is. `id` is a citation: suite, section, number: "modbus/6.3/4".
+/// Identity of a case. `id` is a citation: suite, section, number: "modbus/6.3/4".
 struct CaseIdentity {
   std::string id;
   std::string title;
@@ -56,16 +56,17 @@ struct CaseIdentity {
   Danger danger = Danger::none;
 };
 
-/// Gives the cases of a suite their identities, numbered within each chapter in the order in which
-/// they are asked for: "modbus/6.3/1", "modbus/6.3/2".
+/// Gives the cases of a suite their identities, numbered within each chapter in the order of the
+/// calls: "modbus/6.3/1", "modbus/6.3/2".
 class Citations {
  public:
   Citations(std::string suite, std::string document);
 
-  /// Of a section, which is its chapter; its source is the document and the section.
+  /// Returns the identity of the next case of a section, which is its chapter; its source is the
+  /// document and the section.
   [[nodiscard]] CaseIdentity next(const std::string& section, std::string title,
                                   Strength strength = Strength::must, Danger danger = Danger::none);
-  /// Of a chapter that is none of the document's.
+  /// Returns the identity of the next case of a chapter that the document does not have.
   [[nodiscard]] CaseIdentity next_in(const std::string& chapter, std::string title,
                                      std::string source, Strength strength = Strength::must,
                                      Danger danger = Danger::none);
@@ -73,10 +74,10 @@ class Citations {
  private:
   std::string suite_;
   std::string document_;
-  std::map<std::string, int> numbers_;  ///< Of the last, by chapter.
+  std::map<std::string, int> numbers_;  ///< Last number given, by chapter.
 };
 
-/// One thing that went over the wire, or a word about it.
+/// One message on the wire, or a note.
 struct Step {
   enum class Kind : std::uint8_t { sent, received, note };
   Kind kind = Kind::note;
@@ -88,16 +89,16 @@ struct Step {
 struct CaseResult {
   CaseIdentity identity;
   Verdict verdict = Verdict::pass;
-  std::string expected;  ///< Of the first expectation that did not hold; of a pass of all.
-  std::string got;       ///< What was seen instead, or observed, or why it was not tried.
+  std::string expected;  ///< First expectation that did not hold; if passed, all expectations.
+  std::string got;       ///< What was found instead, or observed, or why the case was skipped.
   std::vector<Step> steps;
 };
 
-/// What a run of a suite found, in the order of its table.
+/// Result of a run of a suite, in the order of its table.
 struct SuiteResult {
   std::string suite;
   std::string endpoint;
-  std::string profile_hash;  ///< Of the claims as they were read.
+  std::string profile_hash;  ///< Hash of the claims as they were read.
   std::vector<CaseResult> cases;
 
   [[nodiscard]] std::size_t count(Verdict verdict) const;

@@ -141,8 +141,8 @@ class Ports final : public DatagramLine {
   }
 
   std::deque<drivers::Descriptor> sockets_;
-  std::vector<std::uint32_t> lost_;  ///< Of each, since it was opened.
-  std::size_t first_ = 0;            ///< Which is looked at first.
+  std::vector<std::uint32_t> lost_;  ///< Datagrams lost per socket since it was opened.
+  std::size_t first_ = 0;            ///< Index of the socket that is read first.
   std::vector<std::uint8_t> buffer_ = std::vector<std::uint8_t>(65'536);
 };
 

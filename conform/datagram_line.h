@@ -23,7 +23,7 @@ class DatagramLine {
     friend bool operator==(const Peer&, const Peer&) = default;
   };
   struct Datagram {
-    std::size_t at_port = 0;  ///< Which of ours, from 0.
+    std::size_t at_port = 0;  ///< Index of the own port, from 0.
     Peer from;
     Clock::time_point at;
     std::vector<std::uint8_t> bytes;

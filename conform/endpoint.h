@@ -26,9 +26,9 @@ class Unreachable : public std::runtime_error {
 struct Endpoint {
   enum class Kind : std::uint8_t { tcp, serial, can, slcan, udp };
   Kind kind = Kind::tcp;
-  std::string address;     ///< Numeric of TCP and UDP (empty: every one), else interface or path.
-  std::uint16_t port = 0;  ///< Of TCP and UDP.
-  std::uint32_t rate = 0;  ///< Bits per second of a serial line or a bus; 0: whatever it has.
+  std::string address;     ///< TCP and UDP: numeric (empty: all), else interface or path.
+  std::uint16_t port = 0;  ///< Port of TCP and UDP.
+  std::uint32_t rate = 0;  ///< Bits per second of a serial line or a bus; 0: unchanged.
 
   [[nodiscard]] std::string text() const;
   /// On this machine.

@@ -29,18 +29,19 @@ class Trial {
   void sent(std::span<const std::uint8_t> bytes, std::string words);
   void received(std::span<const std::uint8_t> bytes, std::string words);
 
-  /// Of what the case cites. The first that does not hold decides: fail, lenient or informational,
-  /// as strong as the case is. Returns `holds`.
+  /// Checks a requirement that the case cites. The first that does not hold decides: fail, lenient
+  /// or informational, by the strength of the case. Returns `holds`.
   bool expect(bool holds, std::string expected, std::string got);
-  /// Of what every answer has to be, however strong the case is: fails where it does not hold.
+  /// Checks what every answer has to fulfil: the case fails if it does not hold, whatever its
+  /// strength. Returns `holds`.
   bool demand(bool holds, std::string expected, std::string got);
-  /// A value that was seen; of an observed case what it is about.
+  /// Records a value that was seen; it is the result of an observed case.
   void observe(std::string value);
-  /// Cannot be tried here, although the claims said so.
+  /// Records that the case cannot be run here, although the claims said so.
   void not_applicable(std::string reason);
-  /// Of the way to the device.
+  /// Records a failure of the connection to the device.
   void broken(std::string reason);
-  /// The suite's limit of time passed while the case ran, before anything had gone wrong.
+  /// Records that the suite's time limit passed while the case ran, before anything had gone wrong.
   void not_reached(std::string reason);
 
   /// Nothing has gone wrong so far.
@@ -62,9 +63,9 @@ class Trial {
   std::optional<Verdict> found_;
   std::string expected_;
   std::string got_;
-  std::vector<std::string> all_;  ///< That held.
+  std::vector<std::string> all_;  ///< Expectations that held.
   std::vector<Step> steps_;
-  std::size_t kept_bytes_ = 0;  ///< Of the steps.
+  std::size_t kept_bytes_ = 0;  ///< Bytes kept in the steps.
   bool left_out_ = false;       ///< Further steps are not kept, which is noted.
 };
 

@@ -31,10 +31,10 @@ struct ObjectName {
 /// "1018:1".
 [[nodiscard]] std::string text_of(ObjectName object);
 
-/// What a node claims.
+/// Claims of a node.
 struct CanopenClaims {
   std::uint8_t node = 1;
-  std::vector<ObjectName> objects;  ///< That can be read.
+  std::vector<ObjectName> objects;  ///< Objects that can be read.
   std::chrono::milliseconds patience{500};
 
   [[nodiscard]] bool has(ObjectName object) const;
@@ -48,12 +48,13 @@ struct CanopenDevice {
   std::shared_ptr<Bounds> bounds = std::make_shared<Bounds>();
 };
 
-/// What an SDO came to: data, or why not.
+/// Result of an SDO: data, or the abort code.
 struct SdoResult {
   CanBytes data;
   std::optional<std::uint32_t> abort;
 
-  [[nodiscard]] std::uint32_t number() const;  ///< Of up to four bytes, least significant first.
+  /// Value of up to four bytes, least significant first.
+  [[nodiscard]] std::uint32_t number() const;
   [[nodiscard]] std::string text() const;
 };
 /// "06020000 (no such object)".
@@ -68,11 +69,11 @@ class CanopenTrial : public Trial {
   [[nodiscard]] CanLine::Clock::time_point now() const { return device_->line->now(); }
 
   bool send(const Frame& frame, std::string words);
-  /// Of identifier and bytes, eleven bits.
+  /// Sends a frame with an 11-bit identifier.
   bool send(std::uint32_t id, CanBytes bytes, std::string words);
-  /// Eight bytes to the node's SDO server, with zeros behind.
+  /// Sends a request to the node's SDO server, filled up to eight bytes with zeros.
   bool request(CanBytes bytes, std::string words);
-  /// The next frame with that identifier, shown; others are dropped.
+  /// Returns the next frame with that identifier, and shows it; drops others.
   [[nodiscard]] std::optional<Frame> hear(std::uint32_t id, std::chrono::nanoseconds within);
   struct Heard {
     Frame frame;

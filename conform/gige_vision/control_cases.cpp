@@ -144,7 +144,7 @@ struct Mandatory {
   std::uint32_t greatest;
 };
 constexpr std::uint32_t kAny = 0xFFFF'FFFF;
-// Of a camera with a stream; what the values may be.
+// Mandatory registers of a camera with a stream, and the allowed values.
 constexpr std::array<Mandatory, 20> kMandatory{{
     {boot::kVersion, 0x0001'0000, 0x0002'FFFF},
     {boot::kDeviceMode, 0x8000'0000, kAny},

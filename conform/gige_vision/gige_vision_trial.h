@@ -36,14 +36,14 @@ struct GigeRegister {
   friend bool operator==(const GigeRegister&, const GigeRegister&) = default;
 };
 
-/// What a camera claims beside its bootstrap registers.
+/// Claims of a camera in addition to its bootstrap registers.
 struct GigeVisionClaims {
   std::optional<GigeRegister> start;             ///< Begins the acquisition.
   std::optional<GigeRegister> stop;              ///< Ends it.
   std::optional<std::uint32_t> payload_size;     ///< Address of the bytes of the longest block.
-  double rate_hz = 0.0;                          ///< Of pictures; 0: not claimed.
+  double rate_hz = 0.0;                          ///< Picture rate; 0: not claimed.
   std::chrono::milliseconds answer_within{100};  ///< 99 of 100 answers come within it.
-  std::chrono::milliseconds patience{500};       ///< Who has not answered by then does not.
+  std::chrono::milliseconds patience{500};       ///< Timeout of an answer.
 };
 
 /// A packet of the stream.
@@ -64,30 +64,31 @@ struct GigeBlock {
   bool in_order = true;
 };
 
-/// What came while the camera acquired, and where it was told to send.
+/// Packets received while the camera acquired, and the destination it was set to.
 struct GigeStream {
   std::vector<GigeBlock> blocks;  ///< Whole ones: neither the last nor one that began before.
-  std::vector<GigeStreamPacket> strange;  ///< Of no block.
+  std::vector<GigeStreamPacket> strange;  ///< Packets that belong to no block.
   std::uint32_t packet_size = 0;          ///< With IP and UDP headers.
   std::uint32_t payload_size = 0;         ///< By the claimed register; 0: not claimed.
   std::uint64_t tick_frequency_hz = 0;
-  std::uint16_t source_port = 0;  ///< As its register says; 0: it does not.
+  std::uint16_t source_port = 0;  ///< Port in its register; 0: not given.
   std::uint64_t lost_here = 0;
-  std::string failure;  ///< Why there are none; empty: there are.
+  std::string failure;  ///< Why there are no blocks; empty if there are.
 };
 
 /// The camera under test, over several cases.
 struct GigeVisionDevice {
-  /// Three ports of ours: two applications', a stream's. May throw Unreachable.
+  /// Opens three own ports: those of two applications and of a stream. May throw Unreachable.
   std::function<std::unique_ptr<DatagramLine>()> open;
   DatagramLine::Peer camera;
-  std::string own_address;  ///< That it can reach us at.
+  std::string own_address;  ///< Address at which the camera can reach this host.
   GigeVisionClaims claims;
   std::unique_ptr<DatagramLine> line;
-  std::array<std::deque<DatagramLine::Datagram>, 3> arrived;  ///< At each port, and not yet taken.
-  std::uint16_t request = 0;                                  ///< Of the last command.
-  std::optional<GigeStream> stream;                           ///< Once it was looked at.
-  std::size_t waiting_bytes = 0;  ///< Of `arrived`, with kItem_bytes for each datagram.
+  std::array<std::deque<DatagramLine::Datagram>, 3> arrived;  ///< Datagrams waiting at each port.
+  std::uint16_t request = 0;                                  ///< Number of the last command.
+  /// Set after the stream was recorded.
+  std::optional<GigeStream> stream;
+  std::size_t waiting_bytes = 0;  ///< Size of `arrived`, with kItem_bytes for each datagram.
   std::shared_ptr<Bounds> bounds = std::make_shared<Bounds>();
 };
 
@@ -105,7 +106,7 @@ struct Gvcp {
 class GigeVisionTrial : public Trial {
  public:
   static constexpr std::size_t kOwn = 0;    ///< Port of the application that is in control.
-  static constexpr std::size_t kOther = 1;  ///< Of another one.
+  static constexpr std::size_t kOther = 1;  ///< Port of another application.
   static constexpr std::size_t kStream = 2;
 
   struct Answer {
@@ -147,7 +148,8 @@ class GigeVisionTrial : public Trial {
   [[nodiscard]] std::optional<std::uint32_t> read(std::uint32_t address, std::size_t port = kOwn);
   [[nodiscard]] std::optional<GigeBytes> read_memory(std::uint32_t address, unsigned count);
   bool write(std::uint32_t address, std::uint32_t value, std::size_t port = kOwn);
-  /// Of a register that may be refused: its status; nothing without an answer, which is found.
+  /// Accesses a register that may be refused and returns the status; without an answer returns
+  /// nullopt and records the failure.
   [[nodiscard]] std::optional<std::uint16_t> status_of_write(std::uint32_t address,
                                                              std::uint32_t value,
                                                              std::size_t port = kOwn);

@@ -1,4 +1,4 @@
-// Who is in control, and what control can change: everything is put back.
+// Cases of the control privilege, and of what it can change: all changes are undone.
 #include <algorithm>
 #include <array>
 

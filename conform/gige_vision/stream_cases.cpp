@@ -100,14 +100,14 @@ void closed_at_the_end(T& trial) {
 
 // --- blocks ---
 
-/// The stream, where there is one.
+/// Returns the stream, or null if there is none.
 const GigeStream* blocks_of(T& trial) {
   const GigeStream& stream = gige_stream(trial);
   return trial.expect(stream.failure.empty(), "blocks while it acquires", stream.failure) ? &stream
                                                                                           : nullptr;
 }
 
-/// Of each packet of each block: the first that is wrong is shown.
+/// Checks each packet of each block and shows the first that is wrong.
 template <class Check>
 void each(T& trial, const std::string& expected, const Check& check) {
   const GigeStream* const stream = blocks_of(trial);
@@ -233,7 +233,7 @@ void source_port(T& trial) {
        });
 }
 
-/// Of leaders alone.
+/// Checks the leaders only.
 template <class Check>
 void each_leader(T& trial, const std::string& expected, const Check& check) {
   each(trial, expected,

@@ -32,7 +32,7 @@ struct IsoValveClaims {
   bool measured_flow = true;             ///< It sends measured flow.
   std::chrono::milliseconds command_timeout{
       0};                                   ///< Without commands until neutral; 0: not claimed.
-  std::chrono::milliseconds patience{500};  ///< Who has not answered by then does not.
+  std::chrono::milliseconds patience{500};  ///< Timeout of an answer.
 };
 
 /// The block under test.
@@ -54,9 +54,9 @@ struct IsoValveCase {
 [[nodiscard]] SuiteResult run_iso_valve_suite(const IsoValveDevice& device,
                                               const SuiteOptions& options);
 
-/// Of the first node that says estimated flow: its address, valves and function. The time-out is
-/// not looked for, as it would take commands. Throws Unreachable, also when nobody says estimated
-/// flow in 2 s.
+/// Returns the claims of the first node that sends estimated flow: its address, valves and
+/// function. The command timeout is not tested, as that would take commands. Throws Unreachable,
+/// also if no node sends estimated flow within 2 s.
 [[nodiscard]] IsoValveClaims survey_iso_valves(const IsoValveDevice& device);
 
 }  // namespace rigwire::conform

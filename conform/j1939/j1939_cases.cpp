@@ -149,10 +149,11 @@ struct Announced {
   std::uint32_t pgn = 0;
   std::size_t bytes = 0;
   std::size_t packets = 0;
-  std::uint8_t destination = 0;  ///< Of its packets; others may go to everybody meanwhile.
+  /// Destination of its packets; others may go to all nodes meanwhile.
+  std::uint8_t destination = 0;
 };
 
-/// What announces the long group that was asked for; `code` 16 to us, 32 to everybody.
+/// Returns the announcement of the requested long group; `code` 16 to this node, 32 to all.
 std::optional<Announced> announced(T& trial, std::uint8_t code, std::uint8_t destination) {
   const auto pgn = long_group_of(trial.claims());
   if (!trial.request(*pgn, destination)) {
@@ -335,7 +336,7 @@ struct Group {
   const char* name;
   std::size_t bytes;  ///< 0: more than eight, or of any length.
   std::uint8_t priority;
-  std::array<Number, 5> numbers;  ///< Of no bits behind the last.
+  std::array<Number, 5> numbers;  ///< Entries after the last have no bits.
 };
 constexpr std::array kGroups{
     Group{61441, "EBC1", 8, 6, {{{8, 8, "brake pedal position"}}}},
@@ -385,7 +386,7 @@ constexpr std::array kGroups{
     Group{65259, "CI", 0, 6, {{{}}}},
     Group{65260, "VI", 0, 6, {{{}}}},
     Group{64965, "ECUID", 0, 6, {{{}}}},
-    // Of some it fits into a frame: the last that transport is tried with.
+    // In some nodes it fits into one frame: the last group that transport is tested with.
     Group{65242, "SOFT", 0, 6, {{{}}}},
 };
 

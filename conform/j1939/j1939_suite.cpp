@@ -87,7 +87,7 @@ J1939Claims survey_j1939(J1939Device& device, std::optional<std::uint8_t> addres
   J1939Claims claims = device.claims;
   claims.periodic.clear();
   claims.requested.clear();
-  // Who says how much, and when what.
+  // Reception times by source address and group.
   std::map<std::uint8_t, std::map<std::uint32_t, std::vector<double>>> heard;
   const auto begin = device.line->now();
   constexpr std::chrono::seconds kSpan{6};

@@ -18,9 +18,9 @@ namespace rigwire::conform {
 /// Throws Unreachable when the bus cannot be opened.
 [[nodiscard]] SuiteResult run_j1939_suite(J1939Device& device, const SuiteOptions& options);
 
-/// Of the node with that address, else of the one that says most: its groups with their periods,
-/// and those of the suite that it answers requests of. Throws Unreachable, also when it, or nobody,
-/// says anything.
+/// Returns the claims of the node with that address, else of the node that sends most: its groups
+/// with their periods, and the groups of the suite that it answers requests of. Throws Unreachable,
+/// also if the node, or every node, is silent.
 [[nodiscard]] J1939Claims survey_j1939(J1939Device& device,
                                        std::optional<std::uint8_t> address = {});
 

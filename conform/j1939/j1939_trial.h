@@ -73,10 +73,10 @@ class J1939Trial : public Trial {
   [[nodiscard]] CanLine::Clock::time_point now() const { return device_->line->now(); }
 
   bool send(const protocols::can::Frame& frame, const std::string& words);
-  /// Of 29 bits, priority 6, from `source`.
+  /// Sends a frame with a 29-bit identifier, priority 6, from `source`.
   bool send(std::uint32_t pgn, std::uint8_t destination, const std::vector<std::uint8_t>& data,
             const std::string& words, std::uint8_t source = kOwnAddress);
-  /// A request of a group to `destination`.
+  /// Sends a request of a group to `destination`.
   bool request(std::uint32_t pgn, std::uint8_t destination);
   bool request(std::uint32_t pgn) { return request(pgn, claims().address); }
   /// The first frame of the node of one of these groups, to us or to everybody, shown; with a
@@ -124,7 +124,7 @@ struct J1939Case {
 [[nodiscard]] std::vector<J1939Case> j1939_group_cases();
 [[nodiscard]] std::vector<J1939Case> j1939_loss_cases();
 
-/// Of the groups that the suite knows, those of more than eight bytes.
+/// Returns a group of more than eight bytes that the suite knows and the node answers.
 [[nodiscard]] std::optional<std::uint32_t> long_group_of(const J1939Claims& claims);
 [[nodiscard]] std::vector<std::uint32_t> groups_to_ask_for();
 

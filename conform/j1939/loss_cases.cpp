@@ -30,7 +30,7 @@ constexpr milliseconds kSilence{250};
 
 struct Loss {
   Bytes name;
-  std::uint8_t address = kNoAddress;  ///< That it has instead.
+  std::uint8_t address = kNoAddress;  ///< Address that it has instead.
 
   [[nodiscard]] bool none() const { return address == kNoAddress; }
 };
@@ -54,7 +54,8 @@ void leave(T& trial, const Bytes& name) {
   static_cast<void>(contend(trial, name, kNoAddress, "and leaves that"));
 }
 
-/// Who claims with that NAME: the first that is not `but`, else that; nothing in that time.
+/// Returns the address claimed with that NAME within the time: the first that is not `but`, else
+/// the last; nullopt if none.
 std::optional<std::uint8_t> claimed(T& trial, const Bytes& name, milliseconds within,
                                     std::optional<std::uint8_t> but = {}) {
   const auto deadline = trial.now() + within;

@@ -117,7 +117,7 @@ void reads_groups(T& trial) {
 }
 
 void reads_block(T& trial) {
-  // As many as a response holds.
+  // Max number of records in a response.
   constexpr unsigned kMost = 120;
   const Group block = first(trial, kMost);
   const auto whole = read(trial, {block});

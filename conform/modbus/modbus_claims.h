@@ -36,17 +36,18 @@ struct RecordRange {
 struct ModbusClaims {
   std::uint8_t unit = 1;
   std::vector<std::uint8_t> functions;  ///< Function codes that it has.
-  /// What can be read, by Table; in order, apart from each other.
+  /// Ranges that can be read, by Table; sorted and disjoint.
   std::array<std::vector<AddressRange>, 4> tables;
-  /// What may be written without anything moving; each takes any value, or one bit turned over.
+  /// Ranges that may be written without moving anything; each takes any value, or one inverted bit.
   std::vector<AddressRange> writable_coils;
   std::vector<AddressRange> writable_registers;
-  std::vector<RecordRange> files;           ///< That function 20 reads.
-  std::vector<RecordRange> writable_files;  ///< As writable_registers.
-  std::vector<std::uint16_t> queues;        ///< Addresses that function 24 reads.
+  std::vector<RecordRange> files;  ///< Records that function 20 reads.
+  /// Records that may be written like writable_registers.
+  std::vector<RecordRange> writable_files;
+  std::vector<std::uint16_t> queues;  ///< Addresses that function 24 reads.
   /// An answer comes within this in 99 of 100.
   std::chrono::milliseconds answer_within{100};
-  /// Who has not answered by then does not.
+  /// Timeout of an answer.
   std::chrono::milliseconds patience{1000};
   protocols::modbus::SerialCharacter character = protocols::modbus::SerialCharacter::even_8e1;
 

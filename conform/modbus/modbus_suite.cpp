@@ -96,7 +96,7 @@ ModbusClaims survey_modbus(ModbusDevice& device, unsigned addresses) {
         static_cast<unsigned>(code <= 2 ? modbus::kReadBitsMaximum : modbus::kReadRegistersMaximum),
         0, after, table);
   }
-  // Of writing functions requests that change nothing: too short, or of nothing.
+  // Writing functions are probed with requests that change nothing: too short, or of no items.
   const std::vector<Pdu> harmless{with(fields_pdu(5, {0}), {0}),
                                   with(fields_pdu(6, {0}), {0}),
                                   {7},

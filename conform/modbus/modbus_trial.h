@@ -36,12 +36,12 @@ inline constexpr const char* kApplicationProtocol = "Modbus application protocol
 struct ModbusDevice {
   Endpoint endpoint;
   ModbusClaims claims;
-  std::unique_ptr<ByteLine> line;  ///< Of a serial endpoint kept, of TCP new for each case.
-  std::uint16_t transaction = 0;   ///< Of the last request.
+  std::unique_ptr<ByteLine> line;  ///< Serial: kept open; TCP: new for each case.
+  std::uint16_t transaction = 0;   ///< Identifier of the last request.
   std::shared_ptr<Bounds> bounds = std::make_shared<Bounds>();
 
   [[nodiscard]] bool serial() const { return endpoint.kind == Endpoint::Kind::serial; }
-  /// A new way to the device, within the bounds. Throws Unreachable, TimeIsUp.
+  /// Opens a new connection to the device, within the bounds. Throws Unreachable, TimeIsUp.
   [[nodiscard]] std::unique_ptr<ByteLine> connect() const;
 };
 
@@ -54,17 +54,18 @@ class ModbusTrial : public Trial {
   [[nodiscard]] const Endpoint& endpoint() const { return device_->endpoint; }
   [[nodiscard]] bool serial() const { return device_->serial(); }
 
-  /// A request that every device answers, if with an exception: one item of what it has.
+  /// Returns a request that every device answers, if only with an exception: one item that it has.
   [[nodiscard]] Pdu any_request() const;
-  /// Asks and waits. Nothing when no answer came in time or it was framed wrongly, which is found
-  /// as a failure; the case may end then.
+  /// Sends a request and waits for the answer. Returns nullopt if no answer came in time or its
+  /// framing was wrong, which is recorded as a failure; the case may end then.
   [[nodiscard]] std::optional<Pdu> ask(const Pdu& request);
-  /// Of the last answer.
+  /// Returns the time that the last answer took.
   [[nodiscard]] std::chrono::nanoseconds took() const { return took_; }
 
-  /// The answer is this exception.
+  /// Checks that the answer is this exception.
   bool refuses(const Pdu& request, protocols::modbus::ExceptionCode code);
-  /// The answer is no exception, and of the function; its bytes after that, else nothing.
+  /// Checks that the answer is no exception and has the request's function. Returns the bytes after
+  /// the function, else nullopt.
   [[nodiscard]] std::optional<Pdu> accepts(const Pdu& request);
   /// Values of `count` registers from there (functions 3 and 4); nothing where it failed.
   [[nodiscard]] std::optional<std::vector<std::uint16_t>> registers(std::uint8_t function,

@@ -28,7 +28,7 @@ std::vector<std::uint8_t> header(std::uint16_t length) {
           1};
 }
 
-/// The same numbers each time.
+/// Returns pseudo-random bytes, identical on every call.
 std::vector<std::uint8_t> noise(std::size_t size) {
   std::vector<std::uint8_t> bytes(size);
   std::uint32_t state = 1;

@@ -139,14 +139,14 @@ void counts_events(T& trial) {
 }
 
 struct EventLog {
-  unsigned events = 0;    ///< Counted, as function 11 does.
-  unsigned messages = 0;  ///< As diagnostics do.
+  unsigned events = 0;    ///< Event count, as in function 11.
+  unsigned messages = 0;  ///< Message count, as in diagnostics.
   Pdu log;                ///< The newest first.
 };
 
 constexpr std::uint8_t kGetCommEventLog = 12;
 
-/// What function 12 tells; nothing where it is no log, which is found.
+/// Returns the event log of function 12; nullopt if the answer is no log, which is recorded.
 std::optional<EventLog> event_log(T& trial) {
   constexpr std::size_t kFields = 6;  // Status and two counts.
   constexpr std::size_t kMostEvents = 64;

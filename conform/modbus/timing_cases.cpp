@@ -17,7 +17,7 @@ std::string text_of(std::chrono::nanoseconds time) {
   return text;
 }
 
-/// Of one register each; empty where one was not answered.
+/// Returns the answer times of requests for one register; empty if one was not answered.
 std::vector<std::chrono::nanoseconds> times_of_answers(ModbusTrial& trial) {
   const unsigned address =
       trial.claims().table(protocols::modbus::Table::holding_registers).front().first;

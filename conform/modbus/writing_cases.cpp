@@ -182,7 +182,7 @@ void write_some_registers(T& trial) {
   }
 }
 
-// Of what is refused nothing has been written.
+// Checks that a refused request has written nothing.
 void refused_unwritten(T& trial, const std::function<Pdu(const Values& turned)>& request,
                        ExceptionCode code) {
   const KeptRegisters kept(trial, reg(trial), 1);

@@ -23,8 +23,8 @@ struct NmeaSentence {
   std::string talker;               ///< "GN"; of a proprietary sentence "P".
   std::string type;                 ///< "RMC"; of a proprietary sentence what follows the P.
   std::vector<std::string> fields;  ///< After the type, before the asterisk.
-  std::string check;                ///< As written; empty: none.
-  std::uint8_t right_check = 0;     ///< Of what it has.
+  std::string check;                ///< Checksum as received; empty: none.
+  std::uint8_t right_check = 0;     ///< Correct checksum of its content.
 
   [[nodiscard]] const std::string& field(std::size_t index) const;
   [[nodiscard]] std::optional<double> number(std::size_t index) const;
@@ -69,7 +69,7 @@ class NmeaLog {
   std::string overflow_;
 };
 
-/// Which field of a type is the time of day; nothing: none.
+/// Returns the index of the field with the time of day; nullopt if the type has none.
 [[nodiscard]] std::optional<std::size_t> time_field(std::string_view type);
 
 }  // namespace rigwire::conform

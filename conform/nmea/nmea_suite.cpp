@@ -39,7 +39,7 @@ bool proprietary(const Sentence& sentence) {
   return sentence.talker == "P";
 }
 
-/// Of each sentence of a type.
+/// Calls `check` for each sentence of a type.
 template <class Check>
 void each_of(Trial& trial, const Log& log, std::string_view type, const Check& check) {
   bool any = false;
@@ -54,7 +54,7 @@ void each_of(Trial& trial, const Log& log, std::string_view type, const Check& c
   }
 }
 
-/// Of each epoch that has both.
+/// Calls `check` for each epoch that has both sentences.
 template <class Check>
 void each_pair(Trial& trial, const Log& log, std::string_view one, std::string_view other,
                const Check& check) {
@@ -439,7 +439,7 @@ void precision_in_both(Trial& trial, const Log& log, const Claims&) {
   });
 }
 
-/// Of the last digit: "1.25" 0.01.
+/// Returns the value of the last digit: "1.25" 0.01.
 double step_of(const std::string& number) {
   const std::size_t point = number.find('.');
   return point == std::string::npos

@@ -18,10 +18,10 @@
 
 namespace rigwire::conform {
 
-/// What a receiver claims.
+/// Claims of a receiver.
 struct NmeaClaims {
   std::vector<std::string> sentences;  ///< Types that come in every epoch; empty: not claimed.
-  double rate_hz = 0.0;                ///< Of epochs; 0: not claimed.
+  double rate_hz = 0.0;                ///< Epoch rate; 0: not claimed.
 };
 
 struct NmeaCase {
@@ -30,13 +30,14 @@ struct NmeaCase {
 };
 [[nodiscard]] std::vector<NmeaCase> nmea_cases();
 
-/// Listens for that long. Throws Unreachable.
+/// Records an endpoint's sentences for `span`. Throws Unreachable.
 [[nodiscard]] NmeaLog listen_nmea(const Endpoint& endpoint, std::chrono::nanoseconds span);
 
-/// The same on an open line, in its time. At most 360 KiB per second are kept (NmeaLog::overflow).
+/// Records the sentences of an open line, on its clock. At most 360 KiB per second are kept
+/// (NmeaLog::overflow).
 [[nodiscard]] NmeaLog listen_nmea(ByteLine& line, std::chrono::nanoseconds span);
 
-/// Looks through what was said.
+/// Runs the suite on the recorded sentences.
 [[nodiscard]] SuiteResult run_nmea_suite(const NmeaLog& log, const NmeaClaims& claims,
                                          const SuiteOptions& options);
 

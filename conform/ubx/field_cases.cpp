@@ -161,7 +161,8 @@ void used_are_tracked(T& trial, const P& p) {
 }
 
 void pseudoranges(T& trial, const P& p) {
-  // Of satellites in medium and geostationary orbits, with a clock within its millisecond.
+  // Pseudoranges of satellites in medium and geostationary orbits, with a clock error below a
+  // millisecond.
   blocks_within(trial, p, "prMes", 1.5e7, 5.0e7);
   if (p.message().name == "RXM-RAWX") {
     blocks_within(trial, p, "locktime", 0, 64'500);
@@ -218,7 +219,7 @@ void distances(T& trial, const P& p) {
                "no more since the reset than in all", p.words());
 }
 
-/// Of a week from its begin.
+/// Checks a time of week.
 void time_of_week(T& trial, const P& p) {
   if (p.bits("valid", 0) == 0) {
     return trial.not_applicable("its time is not valid");

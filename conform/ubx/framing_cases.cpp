@@ -15,7 +15,7 @@ using T = UbxTrial;
 
 constexpr UbxId kVersion{0x0A, 0x04};
 constexpr UbxId kRate{0x06, 0x08};
-// Of class CFG, and in no document here.
+// A message of class CFG that no document here has.
 constexpr UbxId kUnknownSetting{0x06, 0xFE};
 
 void answered(T& trial, const UbxBytes& bytes, const std::string& words) {

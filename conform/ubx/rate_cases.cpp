@@ -19,10 +19,10 @@ using std::chrono::milliseconds;
 constexpr double kWeek_ms = 604'800'000.0;
 constexpr double kDay_ms = 86'400'000.0;
 
-/// What comes by itself of that message in this time, in order; drained of what came before.
+/// Periodic messages received in a span, in order; earlier ones are discarded.
 struct Periodic {
   std::vector<double> times_ms;     ///< iTOW, or the time of day of sentences.
-  std::vector<double> arrivals_ms;  ///< Of each, from the begin.
+  std::vector<double> arrivals_ms;  ///< Arrival of each message, from the begin of the recording.
 };
 
 Periodic listen_for(T& trial, std::string_view name, std::chrono::nanoseconds span) {

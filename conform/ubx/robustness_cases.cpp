@@ -37,7 +37,7 @@ void survives(T& trial, const UbxBytes& bytes, const std::string& words) {
   trial.expect(false, "MON-VER after one of twenty polls", "none");
 }
 
-/// The same numbers each time, without what begins a message.
+/// Returns pseudo-random bytes, identical on every call, without the first bytes of messages.
 UbxBytes noise(std::size_t size) {
   UbxBytes bytes(size);
   std::uint32_t state = 1;

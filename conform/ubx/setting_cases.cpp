@@ -18,7 +18,7 @@ std::string hex(const UbxPayload& payload) {
   return hex_text(payload.bytes(), 32);
 }
 
-/// The same when polled again.
+/// Checks that a new poll returns the same payload.
 bool unchanged(T& trial, const UbxPayload& before, const UbxBytes& selector) {
   const auto after = trial.poll(before.message().name, selector);
   return after && trial.expect(after->bytes() == before.bytes(), "what it was before",

@@ -32,18 +32,19 @@ struct UbxMessage {
   std::string_view name;  ///< "NAV-PVT".
   UbxDocument document = UbxDocument::m8;
   std::string_view section;
-  /// "iTOW:U4 _:U1*2 numCh:U1 [svid:U1 flags:X1]": name, type as the documents write it, how many;
-  /// "_" is reserved. In brackets what is repeated to the end of the message. Behind a "|" what
-  /// older receivers leave out.
+  /// "iTOW:U4 _:U1*2 numCh:U1 [svid:U1 flags:X1]": name, type as in the documents, number of
+  /// elements; "_" is reserved. Brackets enclose what is repeated to the end of the message. After
+  /// a "|": fields that older receivers omit.
   std::string_view fields;
-  /// That says how often the brackets come; empty: as often as the length has it.
+  /// Name of the field with the number of repetitions of the brackets; empty: the length determines
+  /// it.
   std::string_view count = {};
   UbxPoll poll = UbxPoll::empty;
   std::string_view selector = {};  ///< Bytes of the poll's payload.
 };
 
 [[nodiscard]] std::span<const UbxMessage> ubx_messages();
-/// Null for what no document here describes.
+/// Returns null for a message that no document here describes.
 [[nodiscard]] const UbxMessage* ubx_message(protocols::ubx::MessageId id);
 [[nodiscard]] const UbxMessage* ubx_message(std::string_view name);
 [[nodiscard]] std::string source_of(const UbxMessage& message);
@@ -56,15 +57,16 @@ class UbxPayload {
 
   [[nodiscard]] const UbxMessage& message() const { return *message_; }
   [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
-  /// Its length is one that the message has, and the count agrees with it.
+  /// Returns whether its length is allowed and agrees with the count.
   [[nodiscard]] bool whole() const { return whole_; }
-  /// What lengths it may have: "84 or 92 bytes", "8 bytes and 12 for each of numCh".
+  /// Returns the allowed lengths: "84 or 92 bytes", "8 bytes and 12 for each of numCh".
   [[nodiscard]] std::string lengths() const;
 
   [[nodiscard]] bool has(std::string_view field) const;
-  /// Of a field that it has (precondition), in wire units; of an array the `index`-th.
+  /// Returns the value of a field that the message has (precondition), in wire units; of an array
+  /// the `index`-th element.
   [[nodiscard]] double value(std::string_view field, std::size_t index = 0) const;
-  /// Of the repeated part.
+  /// Returns the number of repetitions of the repeated part.
   [[nodiscard]] std::size_t blocks() const { return blocks_; }
   [[nodiscard]] double value_in(std::size_t block, std::string_view field) const;
   /// Bits of a bit field.
@@ -78,7 +80,7 @@ class UbxPayload {
   struct Field {
     std::string_view name;
     std::string_view type;
-    std::size_t offset = 0;  ///< Of the first of its elements; in a block from its begin.
+    std::size_t offset = 0;  ///< Offset of its first element; in a block from the block's begin.
     std::size_t count = 1;
   };
   [[nodiscard]] const Field* find(const std::vector<Field>& in, std::string_view name) const;
@@ -89,7 +91,7 @@ class UbxPayload {
   std::vector<std::uint8_t> bytes_;
   std::vector<Field> head_;
   std::vector<Field> block_;
-  std::size_t shorter_bytes_ = 0;  ///< Of the head that older receivers send; 0: there is none.
+  std::size_t shorter_bytes_ = 0;  ///< Length of the head of older receivers; 0: none.
   std::size_t head_bytes_ = 0;
   std::size_t block_bytes_ = 0;
   std::size_t blocks_ = 0;

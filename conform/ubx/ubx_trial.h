@@ -31,12 +31,12 @@ namespace rigwire::conform {
 using UbxId = protocols::ubx::MessageId;
 using UbxBytes = std::vector<std::uint8_t>;
 
-/// What a receiver claims.
+/// Claims of a receiver.
 struct UbxClaims {
-  std::vector<std::string> messages;  ///< That a poll is answered with: "NAV-PVT", "CFG-RATE".
-  double rate_hz = 0.0;               ///< Of navigation epochs as it is set; 0: not claimed.
+  std::vector<std::string> messages;  ///< Messages that a poll returns: "NAV-PVT", "CFG-RATE".
+  double rate_hz = 0.0;               ///< Rate of navigation epochs as set; 0: not claimed.
   std::chrono::milliseconds answer_within{500};  ///< 99 of 100 answers come within it.
-  std::chrono::milliseconds patience{1500};      ///< Who has not answered by then does not.
+  std::chrono::milliseconds patience{1500};      ///< Timeout of an answer.
 
   [[nodiscard]] bool has(std::string_view message) const;
 };
@@ -51,16 +51,16 @@ struct UbxDevice {
   std::shared_ptr<Bounds> bounds = std::make_shared<Bounds>();
 };
 
-/// One thing that came.
+/// One received message.
 struct UbxHeard {
   enum class Kind : std::uint8_t { frame, sentence, rtcm };
   Kind kind = Kind::frame;
-  UbxId id;  ///< Of a frame.
+  UbxId id;  ///< Identifier of a frame.
   UbxBytes bytes;
   ByteLine::Clock::time_point at;
 
-  [[nodiscard]] UbxBytes payload() const;  ///< Of a frame.
-  [[nodiscard]] std::string text() const;  ///< Of a sentence, without its end.
+  [[nodiscard]] UbxBytes payload() const;  ///< Payload of a frame.
+  [[nodiscard]] std::string text() const;  ///< Text of a sentence, without its end.
 };
 
 class UbxTrial : public Trial {
@@ -85,17 +85,18 @@ class UbxTrial : public Trial {
   [[nodiscard]] static UbxBytes framed(UbxId id, const UbxBytes& payload);
   void show(const UbxHeard& heard);
 
-  /// Polls a message of the tables: it comes whole, and of class CFG with an acknowledgement behind
-  /// it. Nothing where it did not, which is found as the case is strong.
+  /// Polls a message of the tables and checks that it comes complete, and in class CFG with an
+  /// acknowledgement after it. Returns nullopt if it did not, which is recorded by the strength of
+  /// the case.
   [[nodiscard]] std::optional<UbxPayload> poll(std::string_view name);
   [[nodiscard]] std::optional<UbxPayload> poll(std::string_view name, const UbxBytes& selector);
-  /// Of the last poll or setting, until its first answer.
+  /// Returns the time from the last poll or setting to its first answer.
   [[nodiscard]] std::chrono::nanoseconds took() const { return took_; }
-  /// All polled at once, of one epoch where they tell theirs (iTOW); again where an epoch began in
-  /// between. Not applicable where the line is too slow for that.
+  /// Polls all messages together, of one epoch if they contain it (iTOW); repeats if an epoch began
+  /// in between. Not applicable if the line is too slow for that.
   [[nodiscard]] std::optional<Payloads> together(const std::vector<std::string_view>& names);
 
-  /// ACK-ACK (true), or ACK-NAK; nothing where neither came, which is found.
+  /// Returns true for ACK-ACK, false for ACK-NAK; nullopt if neither came, which is recorded.
   [[nodiscard]] std::optional<bool> acknowledged(UbxId id, const UbxBytes& payload);
   bool accepts(std::string_view name, const UbxBytes& payload);
   bool refuses(UbxId id, const UbxBytes& payload);

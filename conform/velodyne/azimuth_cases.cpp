@@ -18,14 +18,14 @@ std::string turning(const Log& log, const Claims& claims) {
   const auto rpm = log.rotor_rpm();
   return !rpm || std::abs(*rpm) < 1.0 ? "its rotor does not turn" : a_model(log, claims);
 }
-/// Behind the gap of a narrowed view nobody can tell when a firing was.
+/// Requires an all-round view: after the gap of a narrowed view the time of a firing is unknown.
 std::string turning_all_round(const Log& log, const Claims& claims) {
   const std::string missing = all_round(log, claims);
   return missing.empty() ? turning(log, claims) : missing;
 }
 
-/// Of each two firings that follow each other without a long gap: `check(step_counts, time_ns,
-/// within)` returns a Wrong; `within` one packet.
+/// Checks each pair of consecutive firings without a long gap: `check(step_counts, time_ns,
+/// within)` returns a Wrong; `within`: both in one packet.
 template <class Check>
 void each_azimuth_step(Trial& trial, const Log& log, const char* expected, const Check& check) {
   const auto& firings = log.firings();

@@ -30,7 +30,7 @@ void length(Trial& trial, const Log& log, const Claims&) {
   trial.expect(true, "1206 bytes in each data packet", "");
 }
 
-/// Of each block of each packet whose place is known.
+/// Checks each block of each packet whose place in the firing cycle is known.
 template <class Check>
 void each_block(Trial& trial, const Log& log, const char* expected, const Check& check) {
   each(trial, log.data(), expected, [&](const VelodyneData& packet) {
@@ -82,10 +82,10 @@ void one_azimuth(Trial& trial, const Log& log, const Claims&) {
              });
 }
 
-/// Calls `see(laser, distance_counts, reflectivity, azimuth_counts)` of each shot.
+/// Calls `see(laser, distance_counts, reflectivity, azimuth_counts)` for each shot.
 template <class See>
 void each_shot(const Log& log, const See& see) {
-  // Which laser stands where is the same in all packets.
+  // The laser at each position is the same in all packets.
   std::array<std::array<std::size_t, kChannelsPerBlock>, kBlocksPerPacket> lasers{};
   std::array<bool, kBlocksPerPacket> holds{};
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {

@@ -73,7 +73,7 @@ void inertial_gap(Trial& trial, const Log& log, const Claims&) {
        [](const VelodynePosition& packet) { return zeros(packet, 38, 198); });
 }
 
-/// Of the low twelve bits, two's complement.
+/// Returns the low twelve bits as a two's complement number.
 int twelve_bits(unsigned word) {
   const int low = static_cast<int>(word & 0xFFFU);
   return low >= 0x800 ? low - 0x1000 : low;

@@ -1,4 +1,4 @@
-// Which returns a packet says that it holds, and whether it holds them.
+// Cases of the return mode that packets report, and of the returns that they contain.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -121,8 +121,8 @@ void both_or_none(Trial& trial, const Log& log, const Claims&) {
        });
 }
 
-/// Of shots with two returns: how many, and in how many the last is the nearer one; least distance
-/// between the two, counts.
+/// Statistics of shots with two returns: their number, the number in which the last return is
+/// nearer, and the min distance between the two, counts.
 struct Apart {
   std::size_t pairs = 0;
   std::size_t wrong = 0;

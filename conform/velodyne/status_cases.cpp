@@ -24,7 +24,7 @@ std::string status_channel(const Log& log, const Claims& claims) {
 }
 
 void order(Trial& trial, const Log& log, const Claims&) {
-  std::optional<std::size_t> place;  // Of the packet before, in the cycle of sixteen.
+  std::optional<std::size_t> place;  // Position of the packet before, in the cycle of sixteen.
   each(trial, log.data(), "H M S D N Y G T V and seven bytes of the record, in turn",
        [&](const VelodyneData& packet) {
          const char type = static_cast<char>(packet.return_mode());

@@ -21,7 +21,7 @@ void time_within_the_hour(Trial& trial, const Log& log, const Claims&) {
   });
 }
 
-/// Of each step from one packet to the next: `check(step_us)` returns a Wrong.
+/// Checks each step from one packet to the next: `check(step_us)` returns a Wrong.
 template <class Check>
 void each_step(Trial& trial, const Log& log, const std::string& expected, const Check& check) {
   for (std::size_t i = 0; i < log.steps_us().size(); ++i) {

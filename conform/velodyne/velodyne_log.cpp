@@ -93,7 +93,7 @@ void VelodyneLog::close(std::chrono::nanoseconds span, std::uint64_t lost_here,
     std::string sentence = position_packets_.back().sentence();
     if (!sentence.empty() && sentence != before) {
       if (!sentence.ends_with('\n')) {
-        sentence += '\n';  // That the CR is missing, too, is seen.
+        sentence += '\n';  // So that the missing CR is reported, too.
       }
       sentences_.add(positions_[i].at,
                      {reinterpret_cast<const std::uint8_t*>(sentence.data()), sentence.size()});

@@ -85,14 +85,14 @@ struct VelodyneFiring {
   int azimuth_counts = 0;
 };
 
-/// What a sensor claims.
+/// Claims of a sensor.
 struct VelodyneClaims {
-  std::string model;            ///< As its data sheet writes it; empty: by its factory bytes.
-  std::string return_mode;      ///< strongest, last, dual; empty: not claimed.
-  double rotor_rpm = 0.0;       ///< 0: not claimed.
-  unsigned view_start_deg = 0;  ///< 0 .. 359; with 359 at the end all round.
-  unsigned view_end_deg = 359;  ///< Included.
-  std::uint16_t position_port = 8308;  ///< That it is set to; 0: is not listened to.
+  std::string model;                   ///< Name in its data sheet; empty: by its factory bytes.
+  std::string return_mode;             ///< strongest, last, dual; empty: not claimed.
+  double rotor_rpm = 0.0;              ///< 0: not claimed.
+  unsigned view_start_deg = 0;         ///< 0 .. 359; with 359 at the end all round.
+  unsigned view_end_deg = 359;         ///< Included.
+  std::uint16_t position_port = 8308;  ///< Port of position packets; 0: none.
   std::string pulse;                   ///< absent, synchronizing, locked; empty: not claimed.
 
   [[nodiscard]] bool all_round() const { return view_start_deg == 0 && view_end_deg == 359; }
@@ -129,20 +129,21 @@ class VelodyneLog {
   /// The sentences of position packets, each once.
   [[nodiscard]] const NmeaLog& sentences() const { return sentences_; }
 
-  /// By claim, or by what the packets say: product id, flags, and of models that share these the
-  /// one whose packets last so long. Null: in doubt.
+  /// Returns the model, by claim or by the packets: product id, flags, and among models that share
+  /// these the one whose packets last so long. Null: in doubt.
   [[nodiscard]] const protocols::velodyne::Model* model() const { return model_; }
-  /// Of the packets; of an HDL-64E as two blocks with one azimuth tell it. Strongest: in doubt.
+  /// Returns the return mode of the packets; of an HDL-64E derived from pairs of blocks with one
+  /// azimuth. Strongest if in doubt.
   [[nodiscard]] protocols::velodyne::ReturnMode mode() const { return mode_; }
   [[nodiscard]] bool dual() const { return mode_ == protocols::velodyne::ReturnMode::dual; }
-  /// Between the timestamps of one packet and the next, microseconds, the shorter way around the
-  /// hour: one less than there are packets.
+  /// Returns the steps between the timestamps of successive packets, microseconds, the shorter way
+  /// around the hour: one fewer than packets.
   [[nodiscard]] const std::vector<std::int64_t>& steps_us() const { return steps_us_; }
-  /// From one packet to the next, by the model. Precondition: the model is known.
+  /// Returns the time from one packet to the next, by the model. Precondition: the model is known.
   [[nodiscard]] double packet_period_us() const;
-  /// Of each packet, those that its blocks begin with; without a model none.
+  /// Returns the firings at the begin of each packet's blocks; none without a model.
   [[nodiscard]] const std::vector<VelodyneFiring>& firings() const { return firings_; }
-  /// Mean speed of the rotor over all but long gaps, rpm; nothing without firings.
+  /// Returns the mean speed of the rotor over all but long gaps, rpm; nullopt without firings.
   [[nodiscard]] std::optional<double> rotor_rpm() const;
 
  private:

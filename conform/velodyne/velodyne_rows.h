@@ -24,10 +24,10 @@ inline std::string byte_text(unsigned value) {
   return text.data();
 }
 
-/// What is wrong with it; nothing: all right.
+/// The fault that a check found; nullopt: none.
 using Wrong = std::optional<std::string>;
 
-/// Of each of `packets`: the first that is wrong is shown. `check` returns a Wrong.
+/// Checks each of `packets` and shows the first that is wrong. `check` returns a Wrong.
 template <class Packets, class Check>
 void each(Trial& trial, const Packets& packets, const char* expected, const Check& check) {
   for (const auto& packet : packets) {

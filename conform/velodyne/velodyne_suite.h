@@ -46,17 +46,17 @@ struct VelodyneRow {
 [[nodiscard]] std::vector<VelodyneRow> velodyne_position_rows();
 [[nodiscard]] std::vector<VelodyneRow> velodyne_status_rows();
 
-/// Listens at the port of an endpoint on UDP, and at the claimed one of position packets, for that
-/// long. Throws Unreachable.
+/// Records at the port of a UDP endpoint, and at the claimed port of position packets, for `span`.
+/// Throws Unreachable.
 [[nodiscard]] VelodyneLog listen_velodyne(const Endpoint& endpoint, std::chrono::nanoseconds span,
                                           const VelodyneClaims& claims);
 
-/// The same at open ports, in their time: first the one of data packets, then the one of position
+/// Records at open ports, on their clock: first the port of data packets, then the one of position
 /// packets. At most 32 MiB per second are kept (VelodyneLog::overflow).
 [[nodiscard]] VelodyneLog listen_velodyne(DatagramLine& line, std::chrono::nanoseconds span,
                                           const VelodyneClaims& claims);
 
-/// Looks through what was sent.
+/// Runs the suite on the recorded packets.
 [[nodiscard]] SuiteResult run_velodyne_suite(const VelodyneLog& log, const VelodyneClaims& claims,
                                              const SuiteOptions& options);
 

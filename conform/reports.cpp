@@ -225,6 +225,9 @@ SuiteResult from_json(const nlohmann::json& json) {
   }
 }
 
+// Writes one test suite per chapter. Cases that broke or ran out of time count as errors, skipped
+// and not applicable ones as skipped; lenient and informational ones pass with their message in
+// system-out.
 std::string junit_text(const SuiteResult& result) {
   std::vector<std::string> chapters;
   std::map<std::string, std::vector<const CaseResult*>> in;
@@ -351,6 +354,8 @@ std::string html_text(std::span<const SuiteResult> results) {
   return text + table + "</table>\n</html>\n";
 }
 
+// Writes the steps of a case as packets, with their words as comments. UDP and TCP get IP heads
+// with 127.0.0.1, TCP also a handshake, since only the payload was recorded.
 std::vector<std::uint8_t> capture_of(const CaseResult& result, const Endpoint& endpoint) {
   namespace pcapng = protocols::pcapng;
   using Kind = Endpoint::Kind;

@@ -192,6 +192,7 @@ bool CanopenTrial::segments(ObjectName object, std::optional<std::uint32_t> anno
   return expect(false, "an end of the segments", "none after " + std::to_string(kMost) + " bytes");
 }
 
+// Reads an object by an SDO upload, expedited or in segments (CiA 301, 7.2.4.3).
 std::optional<SdoResult> CanopenTrial::upload(ObjectName object) {
   const CanBytes asked = initiate(0x40, object);
   if (!request(asked, "read " + text_of(object))) {

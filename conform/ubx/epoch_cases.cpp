@@ -288,6 +288,8 @@ struct Met {
   P pvt;
 };
 
+/// Waits for a sentence of that type, polls NAV-PVT and compares their UTC, to hundredths of a
+/// second. Tries up to four times, as an epoch may begin in between.
 std::optional<Met> meet(T& trial, std::string_view type) {
   constexpr int kTries = 4;
   for (int i = 0; i < kTries && trial.fine(); ++i) {

@@ -71,6 +71,8 @@ SuiteResult run_ubx_suite(UbxDevice& device, const SuiteOptions& options) {
   return result;
 }
 
+// Polls every message of the tables, each followed by a poll of MON-VER: a message without an
+// answer before that of MON-VER is not claimed. The rate is that of CFG-RATE.
 UbxClaims survey_ubx(UbxDevice& device) {
   UbxClaims claims = device.claims;
   claims.messages.clear();

@@ -109,6 +109,9 @@ void VelodyneLog::close(std::chrono::nanoseconds span, std::uint64_t lost_here,
   find_firings();
 }
 
+// Chooses among the models with the claimed name (else the packets' product id, or a status channel
+// if blocks are marked as those of a second bank) the one whose packet period is nearest to the
+// median timestamp step.
 void VelodyneLog::find_model(const VelodyneClaims& claims) {
   const std::uint8_t product = most_frequent(packets_, &VelodyneData::product);
   const std::uint8_t mode = most_frequent(packets_, &VelodyneData::return_mode);

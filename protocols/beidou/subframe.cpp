@@ -183,6 +183,9 @@ Subframe subframe(std::uint8_t id, const gps::Ephemeris& ephemeris,
   return words_of(bits.bytes());
 }
 
+// Reads subframes 1 to 3 (BDS-SIS-ICD-2.1, 5.2.4). toe is split between subframes 2 (high bits) and
+// 3 (low bits). The week is that of the subframes, corrected by one if toe is more than half a week
+// away.
 Decoded<gps::Ephemeris> decode_ephemeris(const std::array<Subframe, 3>& subframes) {
   std::array<Head, 3> heads;
   gps::Ephemeris e;

@@ -197,6 +197,8 @@ ErrorFrame to_error_frame(const ControllerReport& report) {
   return frame;
 }
 
+// Reads the classes and details of the table in error_frame.h. The state follows from the counters
+// unless the frame names it.
 Decoded<ControllerReport> from_error_frame(const ErrorFrame& frame) {
   if ((frame.id & kErrorFlag) == 0) {
     return Malformed{"an error frame has flag 0x20000000"};

@@ -11,6 +11,8 @@ constexpr bool arbitrates(FrameField field) {
 
 }  // namespace
 
+// Writes the fields of the base or extended frame format (ISO 11898-1:2015, 10.4) up to the CRC
+// sequence. After five equal bits it inserts a stuff bit of the other level (10.5).
 WireFrame::WireFrame(const Frame& frame) {
   unsigned run = 0;
   bool last = true;

@@ -51,6 +51,8 @@ SdoPayload segment(std::uint8_t specifier, bool toggle) {
 
 }  // namespace
 
+// Reads a client's request by its command specifier (CiA 301 V4.2.0, 7.2.4.3). Expedited data and
+// segments give the number of unused bytes; `length` is the rest.
 Decoded<SdoRequest> decode_sdo_request(std::span<const std::uint8_t> payload) {
   if (payload.size() != kSdoBytes) {
     return Malformed{"an SDO frame has exactly 8 bytes", payload.size()};

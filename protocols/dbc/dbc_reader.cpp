@@ -822,6 +822,8 @@ Reading read(std::string_view text) {
   return Parser(text).run();
 }
 
+// Checks the signals in `used`: each has a valid layout, a multiplexor where it needs one, a unique
+// name, and no bits in common with a signal that can be present at the same time.
 std::vector<Finding> faults_of(const FileMessage& message, std::span<const std::string_view> used) {
   std::vector<Finding> findings;
   const auto report = [&](int line, std::string what, std::string found, std::string allowed) {

@@ -208,6 +208,8 @@ Page page_of(const Word& word) {
   return page;
 }
 
+// Joins the word from the even and the odd part of a nominal page (Galileo OS SIS ICD 2.1, 4.3.2.3)
+// and checks its CRC-24Q (5.1.9.4).
 Decoded<Word> word_of(const Page& page) {
   BitWriter<32> all;
   for (const std::uint32_t one : page) {

@@ -168,6 +168,8 @@ std::optional<MessageTime> time_of(const nmea::SentenceView& sentence) {
   return time.of_day_ns ? std::optional(time) : std::nullopt;
 }
 
+// Reads the GPS time of week of RXM-RAWX and of the navigation messages in kWeekTimes; NAV-PVT and
+// NAV-TIMEUTC add UTC as far as they mark it valid, NAV-TIMEGPS the leap seconds.
 std::optional<MessageTime> time_of(const ubx::FrameView& frame) {
   constexpr std::uint8_t kNavigation = 0x01;
   constexpr ubx::MessageId kRaw{0x02, 0x15};

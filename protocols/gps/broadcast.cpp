@@ -38,6 +38,8 @@ ScheduledSubframe scheduled(std::uint32_t step) {
           static_cast<std::uint8_t>(step / kSubframes % kPages + 1U)};
 }
 
+// Chooses one almanac time for all satellites, then reduces each ephemeris to an almanac at that
+// time (reduced()) and copies its health.
 void derive_almanac(Broadcast& broadcast) {
   constexpr double kDay_s = 86'400.0;
   constexpr double kAlmanacStep_s = 4096.0;

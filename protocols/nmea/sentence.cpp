@@ -36,6 +36,8 @@ std::uint8_t checksum(std::string_view between_dollar_and_star) {
   return sum;
 }
 
+// Finds the end of the line, compares the checksum (exclusive or of the characters between '$' and
+// '*') and splits the content at its commas.
 Decoded<SentenceView> decode_sentence(std::span<const std::uint8_t> bytes) {
   if (!bytes.empty() && bytes[0] != '$') {
     return fault("no NMEA start character", 0);

@@ -66,6 +66,8 @@ can::Frame send(std::uint32_t pgn, std::uint8_t source, std::span<const std::uin
   return j1939::make_frame({kSettingsPriority, pgn, j1939::kGlobalAddress, source}, payload);
 }
 
+/// Encodes a settings message of the given shape. Words are little-endian except in
+/// `word_high_first`; optional bytes of `mask` and `behaviour` are left out when not set (zero).
 can::Frame make(std::uint32_t pgn, Shape shape, const Setting& setting, std::uint8_t source) {
   std::array<std::uint8_t, 8> payload{setting.address};
   std::size_t length = 3;

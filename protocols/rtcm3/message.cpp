@@ -162,6 +162,9 @@ void walk_lock(Bits& bits, std::uint32_t& lock) {
   bits.whole(7, lock);
 }
 
+/// Reads one satellite of 1001 to 1004 or 1009 to 1012. The message splits the L1 pseudorange into
+/// a multiple of the modulus and a remainder; all other ranges and phases are differences from it.
+/// Without the multiple (messages that are not extended) the remainder is the range.
 LegacyObservations::Satellite read_satellite(BitReader& bits, const LegacyObservations& p) {
   const LegacyForm& form = form_of(p);
   LegacyObservations::Satellite s;

@@ -229,6 +229,7 @@ ControllerReport report_of(const Reply& reply) {
   return report;
 }
 
+// Reads a command of the host: a frame, or a letter with the number of digits that kForms gives.
 Decoded<Command> parse_command(Line line) {
   if (line.empty()) {
     return Malformed{"empty line", 0};
@@ -261,6 +262,8 @@ Decoded<Command> parse_command(Line line) {
   return {Command{static_cast<Verb>(form - kForms.begin()), *number, {}}, line.size()};
 }
 
+// Reads a reply of the adapter by its first character (table in slcan.h). A received frame may be
+// followed by four digits of time stamp.
 Decoded<Reply> parse_reply(Line line) {
   Reply reply;
   if (line.empty()) {

@@ -71,6 +71,8 @@ Decoded<DeviceDescriptor> decode_device(std::span<const std::uint8_t> bytes) {
   return {d, kDeviceDescriptorSize};
 }
 
+// Walks through the descriptors by their lengths (USB 2.0, 9.5, 9.6) and checks that each interface
+// has the endpoints that it announces, and the configuration its interfaces.
 Decoded<ConfigurationDescriptor> decode_configuration(std::span<const std::uint8_t> bytes) {
   if (bytes.size() < 4) {
     return Incomplete{kConfigurationDescriptorSize, bytes.size()};

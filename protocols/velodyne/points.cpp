@@ -62,6 +62,10 @@ void PointReader::lay_out(ReturnMode mode) {
   }
 }
 
+// Returns the rotor's mean speed in the packet, azimuth counts per nanosecond: the sum of the
+// azimuth steps between firings over their times, without steps that are too fast for the model
+// (the gap of a narrowed view). Without such a step it is taken from the previous packet by the
+// timestamps; else 0.
 double PointReader::counts_per_ns(const DataPacket& packet, ReturnMode mode) const {
   const double fastest = fastest_counts_per_ns(*model_);
   std::int64_t turned_counts = 0;
@@ -97,6 +101,8 @@ double PointReader::counts_per_ns(const DataPacket& packet, ReturnMode mode) con
   return rate <= fastest ? rate : 0.0;
 }
 
+// Turns the beam by the rotor's azimuth (angle sum) and converts range, elevation and the offsets
+// of the beam's exit to Cartesian coordinates; with a calibration by corrected().
 Point PointReader::point(const Channel& channel, std::size_t laser, const Heading& heading) const {
   const Optics& optics = optics_[laser];
   BeamDirection beam = optics.direction;

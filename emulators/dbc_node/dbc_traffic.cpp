@@ -330,6 +330,9 @@ void DbcTraffic::compose(SimTime now, std::size_t message, std::vector<std::uint
   }
 }
 
+// Composes the frame, writes the counters, then the checksums over the other bytes as they are
+// sent. Faults can stop or replace a counter, invert a checksum or drop the last byte; a silent
+// node sends nothing.
 void DbcTraffic::send(SimTime now, std::size_t message) {
   const DbcSentMessage& sent = settings_.sent[message];
   SentState& state = sent_[message];

@@ -870,6 +870,9 @@ void GigeCamera::update(const PictureSample& sample) {
   }
 }
 
+// Queues the enabled and complete components of a picture: in multi-part mode as one block,
+// otherwise as one block each. Chunks are appended if active. The time stamp is the begin of the
+// exposure, in ticks.
 void GigeCamera::send(const std::shared_ptr<const Picture>& shown, const Picture& exposed) {
   std::array<StreamBlock, StreamBlock::kPartsMaximum> blocks;
   std::size_t count = 0;

@@ -190,6 +190,9 @@ const BankRegister* RegisterBank::limit(std::string_view feature) const {
   return &*found;
 }
 
+// Checks a written value against its feature: minimum, maximum (also one held by another register)
+// and increment of an integer, range of a float, entries of an enumeration, 0 or 1 of a boolean,
+// value of a command.
 Status RegisterBank::check_value(const BankRegister& target, RegisterOwner& owner) {
   if (target.feature == nullptr) {
     return Status::success;

@@ -183,6 +183,8 @@ void SerialDiagnostics::exception(ExceptionCode code) {
   }
 }
 
+// Executes a sub-function of function 08 (V1.1b3, section 6.8). Returns no answer for "force listen
+// only mode", nor for a restart that ends that mode.
 std::optional<Pdu> SerialDiagnostics::diagnose(const Diagnostics& request) {
   switch (request.sub_function) {
     case SubFunction::return_query_data: {

@@ -519,6 +519,8 @@ bool OpenImu::answer(SimTime now, std::uint32_t pgn, std::uint8_t requester) {
   return answer_data(now, pgn) || answer_status(now, pgn) || answer_setting(now, pgn, requester);
 }
 
+// Sends the data message that a request names, if the variant has it. Returns false for other
+// groups.
 bool OpenImu::answer_data(SimTime now, std::uint32_t pgn) {
   using Bit = openimu::PacketBit;
   std::uint16_t packet = 0;
@@ -572,6 +574,8 @@ bool OpenImu::answer_status(SimTime now, std::uint32_t pgn) {
   return true;
 }
 
+// Sends the present value of the setting that a request names, in the form of the variant's
+// firmware (protocols/openimu/settings.h). Returns false for other groups.
 bool OpenImu::answer_setting(SimTime now, std::uint32_t pgn, std::uint8_t requester) {
   const auto kind = openimu::setting_kind(pgn, configuration_.commands);
   if (!kind) {

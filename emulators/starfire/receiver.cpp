@@ -112,6 +112,8 @@ void StarFireReceiver::update(const GnssSample& sample) {
   advance(sample.time);
 }
 
+// Converts the sample: UTC rounded to hundredths of a second, altitude = ellipsoid height - geoid
+// separation, course from the horizontal velocity unless it is below kSlowest_mps.
 nmea::Epoch StarFireReceiver::epoch() {
   const GnssSample& s = sample_;
   nmea::Epoch e;

@@ -75,6 +75,7 @@ std::uint16_t correction_age_class(const UbloxSolution& s) {
   return static_cast<std::uint16_t>(1 + (found - kUpTo_s.begin()));
 }
 
+/// Converts a solution to the integer units of NAV-PVT; fields saturate at their limits.
 NavPvt pvt(const UbloxSolution& s) {
   NavPvt m;
   m.year = narrow<std::uint16_t>(s.utc.year);

@@ -287,6 +287,8 @@ void UbloxReceiver::follow_line_noise(SimTime now) {
   quality_.set_bit_error_rate(noise ? noise->bit_error_rate : 0.0);
 }
 
+// Processes the oldest pending measurement. It is a navigation epoch if its number within the week
+// is a multiple of CFG-RATE's navRate; raw measurements are updated every time.
 void UbloxReceiver::solve(SimTime now) {
   std::swap(latest_, pending_[pending_head_]);
   pending_head_ = (pending_head_ + 1) % kPending;
@@ -661,6 +663,8 @@ void UbloxReceiver::answer(SimTime now, ubx::MessageId request, bool accepted) {
   }
 }
 
+// Executes CFG-RST: resetMode 0, 1 and 4 restart the receiver, 2 only the navigation, 8 and 9 stop
+// and start it; other modes are refused.
 void UbloxReceiver::reset(SimTime now, const ubx::CfgRst& request) {
   constexpr std::uint8_t kGnssOnly = 2;
   constexpr std::uint8_t kStopGnss = 8;

@@ -28,6 +28,8 @@ void SbasReception::begin() {
   seconds_done_ = -1;
 }
 
+// Lists the messages of the whole seconds since the last update, at most kSbasMostSeconds. A
+// satellite's first message is the one that begins after it was acquired.
 void SbasReception::update(const GnssSample& sample, const GpsTime& now) {
   const std::int64_t now_ns = now.week * kWeek_s * kSecond_ns + now.time_of_week_ns;
   messages_.clear();

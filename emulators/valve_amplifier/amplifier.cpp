@@ -172,6 +172,9 @@ void ValveAmplifier::set_parameters(SimTime now, const ValveAmplifierParameters&
   request(now, {});
 }
 
+// Applies a request in the order that amplifier.h defines: commands are stored, a rising
+// fault_reset clears the latched fault, and outputs that become enabled start from 0 unless this
+// request commands them.
 void ValveAmplifier::request(SimTime now, const ValveRequest& request) {
   advance(now);
   step_ramps(now);

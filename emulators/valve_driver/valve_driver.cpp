@@ -437,6 +437,8 @@ double ValveDriver::count_of(const ValveRegister& entry, std::size_t index) cons
   return (in_unit - entry.offset) / entry.scale;
 }
 
+// Returns the present value of a signal in its unit (ValveSignalInfo::unit); commands and positions
+// in %.
 double ValveDriver::value_of(ValveSignal signal, std::size_t section) const {
   using enum ValveSignal;
   const auto bit = [](bool on) { return on ? 1.0 : 0.0; };

@@ -228,6 +228,7 @@ bool ValveRegister::allows(double value) const {
   return in_range && std::ranges::find(except, value) == except.end();
 }
 
+/// Checks one register of a map. Returns what is wrong with it; empty if nothing is.
 std::string fault_of(const ValveRegister& entry, bool writable_table) {
   const ValveSignalInfo& signal = info(entry.signal);
   if (entry.count == 0 || entry.step() < entry.words() ||

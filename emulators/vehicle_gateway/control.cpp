@@ -230,6 +230,8 @@ bool VehicleControl::take(SimTime now, const vehicle::Xbr& request) {
   return true;
 }
 
+// Engages guidance with the requested curvature, or ends it. After a fault "not intended" is needed
+// before the next "intended" is accepted.
 bool VehicleControl::take(SimTime now, const vehicle::GuidanceCommand& request) {
   switch (request.intended) {
     case Switch::off:
@@ -321,6 +323,8 @@ bool VehicleControl::allows(SteeringMode mode) const {
   return false;
 }
 
+// Refuses the whole message if it requests a steering mode that the machine does not have or a
+// spreader rate above its maximum. The crab angle is limited to what both axles can steer.
 bool VehicleControl::take(SimTime now, const vehicle::MachineFunctionCommand& request) {
   const auto mode = static_cast<SteeringMode>(request.steering_mode);
   const bool asks_mode = mode != SteeringMode::not_available;
@@ -356,6 +360,8 @@ bool VehicleControl::take(SimTime now, const vehicle::MachineFunctionCommand& re
   return true;
 }
 
+// Applies what the message requests of the hitches and shafts that the machine has. Economy and
+// mode are noted as refused; a message with nothing applicable is refused.
 bool VehicleControl::take(SimTime now, const vehicle::HitchPowerTakeOffCommand& request) {
   struct End {
     double hitch_share;

@@ -365,6 +365,8 @@ void VehicleReport::put_speed(const Wanted& wanted) {
   });
 }
 
+// Encodes the steering messages. Steering wheel angle = front steering angle * steering ratio; the
+// turn counters are derived from it.
 void VehicleReport::put_steering(const Wanted& wanted) {
   const VehicleControl& control = wanted.control;
   const auto wheel_rad = [this](const VehicleSample& sample) {

@@ -109,7 +109,7 @@ class DbcNode final : public CanDevice, public dbc_node_details::Face<Backend> {
     follow(sample.time);
   }
 
-  /// Returns the faults of its messages and its supply.
+  /// Return the parts that faults act on: messages, supply, share of messages that are sent.
   [[nodiscard]] DbcTraffic& faults() { return traffic_; }
   [[nodiscard]] Supply& supply() { return traffic_.supply(); }
   [[nodiscard]] Pace& pace() { return traffic_.pace(); }

@@ -51,7 +51,7 @@ struct GigeCameraCounters {
   std::uint64_t pictures = 0;          ///< Pictures received from the sensor while acquiring.
   std::uint64_t late_pictures = 0;     ///< Those of them that came after the processing time.
   std::uint64_t skipped_pictures = 0;  ///< Exposures skipped because the sensor was busy.
-  std::uint64_t ignored_triggers = 0;  ///< Triggers too early or while not acquiring.
+  std::uint64_t ignored_triggers = 0;  ///< Triggers too early or not awaited.
   std::uint64_t lost_triggers = 0;     ///< Triggers lost by a fault.
   std::uint64_t lost_datagrams = 0;    ///< Datagrams lost by a fault, in and out.
   StreamCounters stream;

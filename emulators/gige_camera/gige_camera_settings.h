@@ -72,8 +72,7 @@ struct GigeCameraSettings {
   /// Locally administered, so that no vendor owns it.
   protocols::gige_vision::MacAddress mac{0x02, 0x52, 0x57, 0x00, 0x00, 0x01};
   CameraAddress address;
-  /// Network of the hosts that are answered and to which streams may go; broadcasts are not
-  /// answered.
+  /// Network of the hosts that are answered and to which streams may go.
   CameraAddress permitted{0x7F00'0001, 0xFF00'0000, 0};
 
   int width = 640;   ///< Width of the sensor, pixels; a multiple of 8.

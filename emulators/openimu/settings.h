@@ -68,8 +68,8 @@ struct OpenImuSettings {
   std::uint8_t source_address = 0x80;  ///< Preferred; 128 .. 247.
   std::uint32_t serial = 1;            ///< Low 21 bits go into the NAME; unique on a bus.
   OpenImuConfiguration configuration;
-  double rate_range_radps =
-      400.0 * 3.14159265358979323846 / 180.0;  ///< Gyro range; sets the merit.
+  /// Range of the gyros; it decides the figure of merit.
+  double rate_range_radps = 400.0 * 3.14159265358979323846 / 180.0;
   double acceleration_range_mps2 = 8.0 * 9.80665;
   std::array<std::uint8_t, 5> software_version{1, 1, 0, 0,
                                                0};  ///< major, minor, patch, stage, build

@@ -71,8 +71,9 @@ int PacketAssembly::firings_left() const {
   return firings_per_packet_ - banks_ / model_.blocks_per_firing;
 }
 
-// Writes a bank's returns to the blocks of its firing. In dual return mode the last return goes to
-// the second block, replaced by the second strongest where it equals the strongest (pair_up()).
+// Writes a bank's returns to the blocks of its firing. In dual return mode the second block has the
+// last return; where that is also the strongest, the first block has the second strongest
+// (pair_up()).
 void PacketAssembly::add(const LidarFiring& bank, std::uint16_t azimuth_counts) {
   assert(!complete());
   const int firing = banks_ / model_.blocks_per_firing;

@@ -246,8 +246,8 @@ struct CfgOdo {
   std::uint8_t flags = 0;                  ///< kOdoUse, ...
   std::uint8_t profile = 0;                ///< 0 running, 1 cycling, 2 swimming, 3 car, 4 custom.
   std::array<std::uint8_t, 6> reserved{};  ///< Not zero as delivered.
-  std::uint8_t course_speed_dmps = 0;      ///< Max speed of the low-speed course filter.
-  std::uint8_t course_accuracy_m = 0;      ///< Max accuracy of the low-speed course filter.
+  std::uint8_t course_speed_dmps = 0;      ///< Max speed for the low-speed course filter.
+  std::uint8_t course_accuracy_m = 0;      ///< Max position accuracy for the course filter.
   std::uint8_t speed_gain = 0;             ///< 0 heavy .. 255 weak filtering.
   std::uint8_t course_gain = 0;            ///< Course filter: 0 heavy .. 255 weak.
 

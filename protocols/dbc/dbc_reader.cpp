@@ -98,8 +98,8 @@ class Lexer {
     }
   }
 
-  /// Returns the length of the number that begins here, including its sign; 0 for the "+" of "@1+
-  /// (".
+  /// Returns the length of the number that begins here, with its sign; 0 if there is none, as at
+  /// the "+" in "@1+".
   [[nodiscard]] std::size_t number_length() const {
     const std::size_t sign = text_[at_] == '+' || text_[at_] == '-' ? 1 : 0;
     const std::string_view rest = text_.substr(at_ + sign);

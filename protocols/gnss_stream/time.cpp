@@ -239,8 +239,8 @@ void LeapSeconds::take(const MessageTime& time) {
     const std::int64_t ahead_ns =
         positive_remainder(*week.of_week_ns - *day.of_day_ns + kSecond_ns / 2, kDay_ns);
     const auto ahead_s = static_cast<int>(ahead_ns / kSecond_ns);
-    // Neighbouring messages of two epochs may differ by one second more or less: 18 s (since 2017)
-    // is preferred over other values. Any of them keeps the messages in order.
+    // The difference of neighbouring messages of two epochs can be off by one second: 18 s (since
+    // 2017) is preferred. Other values keep the messages in order, too.
     if (ahead_s <= kMost && (!by_neighbours_ || ahead_s == 18)) {
       by_neighbours_ = ahead_s;
     }

@@ -69,9 +69,9 @@ class StreamClock {
   std::int64_t now_ns_ = 0;
   /// Time of day of the last message, or extrapolated from it.
   std::int64_t of_day_ns_ = 0;
-  /// Time of week, once a message reported it; else extrapolated.
+  /// Time of week of the last message, or extrapolated; empty until a message reports it.
   std::optional<std::int64_t> of_week_ns_;
-  /// UTC since 1970, once a message reported it; else extrapolated.
+  /// UTC since 1970 at the last message, or extrapolated; empty until a message reports it.
   std::optional<std::int64_t> date_ns_;
 };
 

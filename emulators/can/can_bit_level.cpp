@@ -174,7 +174,7 @@ void CanBitLevel::observe_transmitter(Party& party, bool level) {
   const WireFrame& wire = view.wire();
   const unsigned bit = view.bit_at(bit_);
   const bool recessive = wire.recessive(bit);
-  // Acknowledgement: nobody made the slot dominant. A passive node's count waits for its flag.
+  // Acknowledgement: no node made the slot dominant. A passive node's count waits for its flag.
   if (bit >= wire.acknowledge_slot() && !party.acknowledged) {
     party.acknowledged = true;
     if (level) {

@@ -11,9 +11,9 @@
 // after an intermission of three bits.
 //
 // Simplified: nodes end an error together, when the last one has its delimiter (a passive one whose
-// flag nobody sees does not hold up the others' good frame); of overload frames
-// only the one that answers a dominant last bit of the end of frame exists; a node with another bit
-// rate counts its error flag in its own bits and its delimiter in the segment's.
+// flag no other node sees does not hold up the others' good frame); of overload frames only the one
+// that answers a dominant last bit of the end of frame exists; a node with another bit rate counts
+// its error flag in its own bits and its delimiter in the segment's.
 #pragma once
 
 #include <cstdint>
@@ -154,11 +154,11 @@ class CanBitLevel {
   void add_transmitter(CanController& node, const protocols::can::Frame& frame);
   void add_receiver(CanController& node);
 
-  /// Goes on to the next bit in which something happens. False: nothing more does, and length() is
-  /// known. The happenings must have been told to their nodes before the next call.
+  /// Advances to the next bit in which something happens. Returns false when nothing more does;
+  /// length() is then known. The nodes must be notified of the happenings before the next call.
   [[nodiscard]] bool run();
   [[nodiscard]] std::span<const CanHappening> happenings() const { return happenings_; }
-  /// In which they happened; the nodes know of them at its end.
+  /// The bit in which they happened; the nodes know of them at its end.
   [[nodiscard]] unsigned bit() const { return bit_ - 1; }
   /// Bits from start of frame until the bus is free.
   [[nodiscard]] unsigned length() const { return length_; }
@@ -183,7 +183,7 @@ class CanBitLevel {
     bool own = false;           ///< It was the transmitter when its error occurred.
     bool overload = false;      ///< What looks like an error flag is none: nothing is counted.
     bool acknowledged = false;  ///< Transmitter: the slot is behind it.
-    bool unacknowledged_passive = false;  ///< Counts only if its passive flag meets a dominant bit.
+    bool unacknowledged_passive = false;  ///< Counts only if a dominant bit hits its passive flag.
     bool first_after_flag = false;
     /// Bits counted in the present state: of the flag, of the delimiter, or equal bits of a passive
     /// flag.

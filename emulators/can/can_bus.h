@@ -11,16 +11,17 @@
 //   complete, and delivered, at the end of its end-of-frame field; the bus is free again three bits
 //   later. Instants are whole bits from the synchronising edge, rounded to the nanosecond once
 //   (can_bit_level.h): error 0.5 ns, without drift.
-// - Somebody has to acknowledge: another node at the same bit rate that is neither listen-only nor
-//   bus-off. The client's controller is a node like the others, and does not while nobody is there
-//   (OutsideController). A node that is alone tries for ever, becomes passive and not bus-off.
+// - Another node has to acknowledge: one at the same bit rate that is neither listen-only nor
+//   bus-off. The client's controller is a node like the others, but does not acknowledge while no
+//   client is present (OutsideController). A node that is alone retries for ever, becomes passive
+//   and not bus-off.
 // - Errors run bit by bit (can_bit_level.h): error flags, counters, states, retransmission, bus-off
 //   and recovery (can_controller.h), at their exact instants.
-// - Two nodes that send one identifier: with the same bits both have sent and the others hear it
+// - Two nodes that send one identifier: with the same bits both have sent and the others receive it
 //   once; with different ones the first differing bit is an error.
 // - Delivery goes to every other device on the bus, in the order of their attachment, and to the
-//   sender's own exit, the way to the outside; not to the exit when a client that is there could
-//   not hear it (bus-off, another bit rate, a broken stub).
+//   sender's own exit, the way to the outside; not to the exit when a client that is present could
+//   not receive it (bus-off, another bit rate, a broken stub).
 // - Faults (can_bus_faults.h) change levels, rates and who is connected.
 //
 // Not modelled: propagation time and sample points, clock tolerance, resynchronisation, overload

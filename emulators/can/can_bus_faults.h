@@ -79,7 +79,7 @@ void visit(fields::Visitor& v, CanFault& p);
 /// Returns the node that the fault concerns (CanNodeSettings::name); empty if the whole bus.
 [[nodiscard]] std::string node_of(const CanFault& fault);
 
-/// Returns whether the fault inverts bits on the wire, whoever sends them.
+/// Returns whether the fault inverts bits on the wire, from any sender.
 [[nodiscard]] bool is_of_wire(const CanFault& fault);
 
 /// Returns the frame that an intruder sends. Precondition: validate() accepts the fault.

@@ -40,7 +40,7 @@ void CanController::send(SimTime due, const Frame& frame) {
   }
 }
 
-/// The client hears of its frames in the order in which it sent them.
+/// Confirms to the client that the frame was refused, after all frames that it sent before.
 void CanController::refuse(SimTime now) {
   if (outside_ == nullptr) {
     return;

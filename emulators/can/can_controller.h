@@ -1,13 +1,13 @@
 // The CAN controller of one node: transmit queue, error counters, bus-off and the way back from it.
 //
-// It knows nothing of bits: the segment that it is connected to (can_segment.h) tells it what
-// became of frames and which rule of fault confinement applies.
+// It knows nothing of bits: the segment that it is connected to (can_segment.h) reports what became
+// of frames and which rule of fault confinement applies.
 //
 // - At bus-off everything that waits is given up, and so is what the host offers until the
 //   controller is back.
 // - Recovery takes 128 sequences of 11 recessive bits from the instant at which it begins. It
-// begins
-//   CanNodeSettings::restart_after later, or when the host asks (ISO 11898-1:2015, 12.1.4.4).
+//   begins CanNodeSettings::restart_after later, or when the host asks (ISO 11898-1:2015,
+//   12.1.4.4).
 // - A controller in listen-only mode has error counters that do not change.
 #pragma once
 
@@ -133,8 +133,8 @@ class CanController final : public FrameOutput {
   void begin(SimTime start, SimTime offered_at);
   /// A more urgent frame of another node goes instead; nothing was begun.
   void lose_arbitration() { ++counters_.arbitration_losses; }
-  /// What became of it, which nobody wants to know when it was given up meanwhile (bus-off, the
-  /// client closed).
+  /// Reports the outcome of the frame on the wire; ignored if the frame was given up meanwhile
+  /// (bus-off, the client closed).
   void sent(SimTime now);
   void failed(SimTime now);
   /// Arbitration, at that bit (see ControllerReport). A one-shot controller gives the frame up.

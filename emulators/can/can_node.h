@@ -84,7 +84,7 @@ class CanOutside {
  public:
   virtual ~CanOutside() = default;
   /// The oldest unsettled frame of CanBusModel::receive() was complete on the bus at `now`, or,
-  /// with `sent` false, never will be: one-shot and failed, bus-off, queue full, nobody there.
+  /// with `sent` false, never will be: one-shot and failed, bus-off, queue full, no client present.
   virtual void confirm(SimTime now, bool sent) = 0;
   /// An error that the controller saw, a change of its state, or both.
   virtual void report(SimTime now, const protocols::can::ControllerReport& report) = 0;
@@ -92,7 +92,7 @@ class CanOutside {
 
 /// How the client has set its controller.
 struct OutsideController {
-  bool present = true;             ///< False: nobody there, nobody who acknowledges.
+  bool present = true;             ///< False: no client is present, and none acknowledges.
   std::uint32_t bit_rate_bps = 0;  ///< 10 000 .. 1 000 000; 0: the bus's.
   bool listen_only = false;        ///< Sends nothing, acknowledges nothing.
   bool one_shot = false;           ///< Tries every frame once only.

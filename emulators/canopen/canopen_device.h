@@ -84,7 +84,7 @@ class CanopenDevice : public CanDevice, protected CanopenProfile {
   SamplePlan plan_;
 };
 
-/// What every CANopen device can be told while it runs.
+/// Settings that every CANopen device accepts at run time.
 template <class Device, class Settings>
 inline constexpr std::array<LiveSetting<Device, Settings>, 3> kCanopenLiveSettings{{
     {"transmission_type", "SDO, object 1800:2",

@@ -3,9 +3,9 @@
 //
 // Source: CiA 301 V4.2.0, 7.2 and 7.3. Life: `boot` after power-on the node sends its boot-up
 // message and is pre-operational (operational at once when it starts by itself). SDOs are served in
-// both states, PDOs sent when operational only, heartbeats always. A node without a node-ID hears
-// nothing but the layer setting services (lss_slave.h) until they give it one; those it hears in
-// every state. A PDO of type
+// both states, PDOs sent when operational only, heartbeats always. A node without a node-ID
+// receives only the layer setting services (lss_slave.h) until they give it one; it receives those
+// in every state. A PDO of type
 //   0         is sent after a SYNC when what it carries has changed
 //   1..240    after each so many SYNCs
 //   254       when what it carries has changed, and when its event timer elapses

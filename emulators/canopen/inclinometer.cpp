@@ -173,7 +173,7 @@ std::int64_t Inclinometer::value(const SlopeObjects& slope) const {
 
 void Inclinometer::report(SimTime now, const std::array<bool, kAxes>& errors) {
   if (node_.state() == canopen::NodeState::initialising) {
-    errors_ = {};  // told after the boot-up message
+    errors_ = {};  // reported after the boot-up message
     return;
   }
   const std::array<bool, kAxes> before = errors_;

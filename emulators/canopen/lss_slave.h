@@ -1,7 +1,7 @@
 // The slave's side of the layer setting services: which node a master means, and what it sets
 // there. What a node-ID does to a node is the node's business.
 //
-// Source: CiA 305 V3.0.0. Two states, waiting and configuration. Settings are heard in
+// Source: CiA 305 V3.0.0. Two states, waiting and configuration. Settings are accepted in
 // configuration only; a master brings one node there by its whole identity, all nodes by a global
 // switch, an unconfigured one by fastscan. A node-ID that was configured is pending: it is in force
 // after the next reset of communication, which a node that had none makes by itself when it goes

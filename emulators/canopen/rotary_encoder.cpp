@@ -86,7 +86,7 @@ void RotaryEncoder::update(const EncoderSample& sample) {
     evaluate();
   }
   if (node_.state() == canopen::NodeState::initialising) {
-    faulty_ = false;  // told after the boot-up message
+    faulty_ = false;  // reported after the boot-up message
   } else if (faulty != faulty_) {
     faulty_ = faulty;
     node_.report_error(sample.time, faulty ? kHardwareError : 0, faulty ? kEncoderGenericError : 0);

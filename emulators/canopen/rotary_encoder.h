@@ -1,8 +1,8 @@
 // An absolute rotary encoder on CANopen: CiA 406 (device profile for encoders), class 2, on the
 // node of canopen_node.h. Objects, scales and deviations: docs/devices/cia406-encoder.md.
 //
-// The disc has 2^resolution_bits steps per revolution and tells `revolutions` apart. Step 0 is
-// where the shaft stands at offset_rad; the step is the one whose middle is nearest (error at most
+// The disc has 2^resolution_bits steps per revolution, over `revolutions` revolutions. Step 0 is
+// the shaft's position at offset_rad; the step is the one whose middle is nearest (error at most
 // half a step, no noise). Without scaling the position is the step; with scaling it is the step
 // times units per revolution (6001) over steps, cut, within the total range (6002). A preset (6003)
 // makes the present position that value, by the offset 6509. The code rises clockwise, seen on the

@@ -1,5 +1,5 @@
-// A node of a CAN bus that a DBC file and its binding describe: any sensor or actuator whose
-// messages somebody has written down, attached to something of the machine.
+// A node of a CAN bus that a DBC file and its binding describe: any sensor or actuator with known
+// messages, attached to a part of the machine.
 //
 // What it does on the bus: dbc_traffic.h. What it can be attached to: quantities.h. The clocks of
 // its messages and of its samples are the device's own.

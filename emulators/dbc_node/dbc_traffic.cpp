@@ -379,7 +379,7 @@ bool DbcTraffic::transmit(SimTime now, const can::OwnedMessage& layout,
     }
     j1939::Identifier identifier = j1939::unpack(layout.id);
     if (identifier.destination == j1939::kNullAddress) {
-      identifier.destination = j1939::kGlobalAddress;  // what a file says where it names nobody
+      identifier.destination = j1939::kGlobalAddress;  // the file names no destination
     }
     return node_->send(now, identifier, payload);
   }
@@ -509,7 +509,7 @@ void DbcTraffic::receive(SimTime now, const can::Frame& frame) {
     const can::OwnedMessage& row = settings_.taken[m].layout;
     bool meant = row.id == frame.id && row.extended == frame.extended;
     if (row.j1939) {
-      // Whoever sends it: files give a source that stands for any.
+      // A J1939 message matches by its group: the source address in a file stands for any.
       const auto identifier = j1939::identify(frame);
       meant = !node_ && identifier && identifier->pgn == j1939::unpack(row.id).pgn;
     }

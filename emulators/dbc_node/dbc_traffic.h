@@ -1,6 +1,6 @@
-// The bus side of a node that is described by a DBC file: when its frames go out, what stands in
-// them, and what the frames that it takes ask for. Knows numbers only; what they are, and of which
-// machine, is dbc_node.h's.
+// The bus side of a node that is described by a DBC file: when its frames go out, what they
+// contain, and what the frames that it takes ask for. Knows numbers only; what they are, and of
+// which machine, is dbc_node.h's.
 //
 // A message goes out by time, on change, on request, after another one that came in, or several of
 // these. A frame is put together when it is due: start values first, then what was measured last,

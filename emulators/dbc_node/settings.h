@@ -1,4 +1,4 @@
-// A node of a CAN bus whose messages somebody else has laid out, as the emulator needs it: which
+// Settings of a CAN node whose messages a DBC file defines, as the emulator needs them: which
 // frames it sends when, what its signals show, which frames it takes and what they move. Made from
 // a DBC file and its binding by hil/files/dbc_node_file.h.
 #pragma once

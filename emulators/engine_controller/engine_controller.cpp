@@ -184,7 +184,7 @@ bool EngineController::send_group(SimTime now, std::uint32_t pgn) {
   if (is<vehicle::Eec1>(pgn)) {
     vehicle::Eec1 message;
     if (s != nullptr) {
-      // SPN 899: 3 a governor holds the speed, 11 somebody else's speed.
+      // SPN 899: 3: a governor holds the speed; 11: another node requests it.
       constexpr std::uint8_t kSpeedGovernor = 3;
       constexpr std::uint8_t kRemote = 11;
       message.torque_mode = request_ ? kRemote : kSpeedGovernor;

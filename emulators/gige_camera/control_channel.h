@@ -37,7 +37,7 @@ class ControlledDevice : public RegisterOwner {
   /// invalid_address: another device is meant, and nothing is answered.
   [[nodiscard]] virtual protocols::gige_vision::Status force_ip(
       SimTime now, const protocols::gige_vision::ForceIp& command) = 0;
-  /// Asked by somebody who may ask.
+  /// Called only for a sender with the address of the primary application.
   virtual void resend(SimTime now, const protocols::gige_vision::PacketResend& command) = 0;
 };
 
@@ -107,7 +107,7 @@ class ControlChannel {
 
   std::optional<UdpEnd> primary_;
   UdpEnd requester_;  ///< Sender of the command in work.
-  SimTime heard_{};   ///< When the primary application was last heard from.
+  SimTime heard_{};   ///< When the primary application last sent something.
   std::array<Answered, 4> answered_;
   std::size_t next_answered_ = 0;
   ReceiveCounters received_;

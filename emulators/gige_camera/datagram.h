@@ -1,4 +1,4 @@
-// Datagrams of a device that answers whoever asks: each carries where it goes.
+// Datagrams of a device that answers any client: each one carries its destination.
 #pragma once
 
 #include <cstdint>

@@ -14,10 +14,10 @@
 //   switched that on (bit 6 of SCCFG), otherwise one block for each component, one after the other
 //   with the same time stamp.
 // - User-defined name, persistent address and IP configuration are kept in its memory.
-// - FORCEIP is acted on when nobody has control: the address that address() tells then is another.
+// - FORCEIP is carried out only while no application has control; it changes address().
 // - When control ends the acquisition ends and the stream is closed.
-// - Without supply it is not there; when that comes back it starts with its power-on registers and
-//   what its memory has, as after DeviceReset.
+// - Without supply it is off the network; when the supply comes back it starts with its power-on
+//   registers and what its memory has, as after DeviceReset.
 //
 // What it is not: certified, or tested with other clients than Aravis and Wireshark. It has no
 // message channel, no actions, no IEEE 1588.
@@ -168,7 +168,7 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   [[nodiscard]] double temperature_degc() const;
   [[nodiscard]] bool link_down() const { return faults_.first<LinkDownFault>(now_) != nullptr; }
 
-  /// `shown` is what leaves, `exposed` what its time stamp and chunks tell of.
+  /// Sends the parts of `shown`; time stamp and chunks describe `exposed`.
   void send(const std::shared_ptr<const Picture>& shown, const Picture& exposed);
   void append_chunks(StreamBlock& block, std::uint64_t number, const Picture& exposed) const;
 

@@ -1,5 +1,5 @@
-// Settings of an emulated GigE Vision camera: what it is, where it is on the network, and how it
-// stands when it is switched on.
+// Settings of an emulated GigE Vision camera: what it is, where it is on the network, and its state
+// at power-on.
 #pragma once
 
 #include <cstdint>

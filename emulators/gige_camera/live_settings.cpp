@@ -1,4 +1,5 @@
-// What a GigE Vision camera can be told while it runs: its features, by their registers.
+// Settings of a GigE Vision camera that can be changed at run time: its features, by their
+// registers.
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -105,7 +105,7 @@ void RegisterBank::set_text(std::uint32_t address, std::string_view text) {
 
 Status RegisterBank::read(std::uint32_t address, std::span<std::uint8_t> out,
                           RegisterOwner& owner) {
-  // The description is one block, and nothing else stands in it.
+  // The description is one block; no register lies at or above its address.
   if (address >= description_address_) {
     const std::size_t from = address - description_address_;
     if (from > description_.size() || out.size() > description_.size() - from) {

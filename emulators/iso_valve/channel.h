@@ -33,10 +33,10 @@ class IsoValveChannel {
                const protocols::iso11783::ValveCommandMembers& command);
   /// The lever, -1 .. 1; NaN: it says nothing of use, as if it was silent.
   void lever(SimTime now, double share);
-  /// A command that is not obeyed: to neutral, as if nobody had commanded, and the reason is "error
+  /// Refuses a command: goes to neutral, as if there had been none, with the reason "error
   /// indication".
   void refuse(SimTime now);
-  /// To neutral, and a command of neutral first.
+  /// Goes to neutral; the next command that is obeyed must be neutral.
   void require_neutral();
   void note(protocols::iso11783::ValveExit reason) { exit_ = reason; }
 

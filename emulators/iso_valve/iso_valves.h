@@ -8,9 +8,9 @@
 // three messages go out every 100 ms, section k's 10 ms after section k - 1's. A fault takes all
 // outputs to neutral; a command of neutral to the faulty valve (any valve, where the fault is the
 // whole block's) resets it, and every valve must be commanded neutral before it moves again. Its
-// trouble codes are told and cleared as trouble_memory.h says. A block that refuses takes a valve
-// to neutral whenever that is commanded, says "error indication" for the reason, and wants a
-// command of neutral afterwards; levers are as if they were not there.
+// trouble codes are reported and cleared as trouble_memory.h says. A block that refuses takes a
+// valve to neutral whenever that is commanded, says "error indication" for the reason, and wants a
+// command of neutral afterwards; levers are ignored.
 #pragma once
 
 #include <array>

@@ -58,11 +58,11 @@ class EngineReport {
   bool configuration_due_ = false;
 };
 
-/// Whether a torque/speed request (TSC1) counts: by the counter and the checksum that close it.
+/// Checks whether a torque/speed request (TSC1) counts, by the counter and the checksum at its end.
 ///
-/// Source: SAE J1939-71, SPN 4206 and 4207. The counter goes on from message to message of one
-/// node; one that stands still is the same message again. Ones in both: the sender does not use
-/// them.
+/// Source: SAE J1939-71, SPN 4206 and 4207. The counter increments from message to message of one
+/// node; an unchanged one marks the same message again. All bits set in both: the sender does not
+/// use them.
 class TorqueSpeedCheck {
  public:
   /// `required`: requests that do not use counter and checksum do not count.

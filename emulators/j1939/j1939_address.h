@@ -2,10 +2,10 @@
 // another one.
 //
 // Source: SAE J1939-81, 4.2, 4.6. The lower NAME keeps an address. A node with an address outside
-// 0..127 and 248..253 stays silent for 250 ms after its claim. Who loses takes the next free
+// 0..127 and 248..253 stays silent for 250 ms after its claim. The loser takes the next free
 // address of 128..247 where its NAME allows that, else says "cannot claim" (source 254) after a
-// delay of 0 to 153 ms that follows from its NAME, and sends nothing but the same answer, delayed
-// likewise, to requests for claims. A second node with the very same NAME on the own address is a
+// delay of 0 to 153 ms that follows from its NAME, and sends nothing but the same answer, with the
+// same delay, to requests for claims. A second node with the very same NAME on the own address is a
 // defect of the installation that no address would heal: the node gives up its address and does not
 // move.
 //
@@ -59,10 +59,10 @@ class J1939Address {
   /// The controller is back from bus-off, where a claim may have been lost: claims again, after a
   /// delay that differs between nodes, because two claims at one instant would destroy each other.
   void on_restart(SimTime now);
-  /// Somebody asks for claims.
+  /// Handles a request for claims.
   void on_request(SimTime now);
-  /// Somebody wants this node to have `address`: claims it, unless it is none that a node can have
-  /// or the node has not yet claimed any.
+  /// Handles a commanded address: claims `address`, unless no node can have it or this one has not
+  /// yet claimed any.
   void on_command(SimTime now, std::uint8_t address);
 
   /// Whether it has ever claimed an address since it was switched on.

@@ -81,7 +81,7 @@ class J1939Device : public CanDevice, J1939Application {
   [[nodiscard]] virtual bool is_command(std::uint32_t pgn) const = 0;
   /// One of these was refused.
   virtual void refused(SimTime /*now*/, const J1939Message& /*message*/) {}
-  /// Its trouble codes; nullptr: it tells none.
+  /// Its trouble codes; nullptr if it reports none.
   virtual TroubleMemory* troubles() { return nullptr; }
   /// Whether they light the red lamp.
   [[nodiscard]] virtual bool is_stopped() const { return false; }
@@ -103,7 +103,7 @@ class J1939Device : public CanDevice, J1939Application {
   std::optional<Identity> identity_;
 };
 
-/// What every such device can be told while it runs.
+/// Settings that every such device accepts at run time.
 template <class Device, class Settings>
 inline constexpr std::array<LiveSetting<Device, Settings>, 1> kJ1939LiveSettings{
     {{"source_address", "commanded address (J1939-81)",

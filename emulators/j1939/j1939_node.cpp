@@ -164,7 +164,7 @@ J1939Reception J1939Node::receive_request(SimTime now, const j1939::Identifier& 
   if (!is_for_us(identifier.destination)) {
     return J1939Reception::ignored;
   }
-  // Nobody can be answered alone without an address of its own.
+  // A requester without an address of its own cannot be answered individually.
   const bool alone = !global && identifier.source < j1939::kNullAddress;
   const std::uint8_t destination = alone ? identifier.source : j1939::kGlobalAddress;
   switch (application_.answer(now, *pgn, destination)) {

@@ -2,7 +2,7 @@
 // requests, takes part in transport, and moves where a commanded address sends it.
 //
 // Sources: SAE J1939-21, 5.4 (requests, acknowledgement), 5.10 (transport); J1939-81, 4.2 (address
-// claim), 4.6 (commanded address). docs/j1939.md tells the behaviour in full.
+// claim), 4.6 (commanded address). docs/j1939.md describes the behaviour in full.
 //
 // A device owns a node, hands it every frame and its time, and is its application: it says which
 // groups it can send and takes the messages that are for it.
@@ -15,7 +15,7 @@
 // another group, to everybody                nothing
 // a group that cannot be sent now            acknowledgement "busy", if it was to this node
 //
-// Without an address it hears only claims, requests for claims and commanded addresses.
+// Without an address it receives only claims, requests for claims and commanded addresses.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ namespace rigwire::emulators {
 
 struct J1939NodeSettings {
   J1939AddressPolicy address;        ///< Its answer_delay holds for everything the node sends.
-  J1939TransportSettings transport;  ///< Its answer_delay is not looked at.
+  J1939TransportSettings transport;  ///< Its answer_delay is ignored.
   bool takes_commanded_address = true;
 };
 
@@ -83,16 +83,16 @@ class J1939Node final : J1939TransportSink {
 
   /// Sends a frame unchanged, due the answer delay after `now`. Precondition: held().
   void send(SimTime now, const protocols::can::Frame& frame);
-  /// A message of 0 .. 1785 bytes from this node: one frame up to eight bytes, else by transport to
-  /// identifier.destination. False, and nothing is sent, without an address or while another long
-  /// message to that destination is on its way. identifier.source is not looked at.
+  /// Sends a message of 0 .. 1785 bytes from this node: one frame up to eight bytes, else by
+  /// transport to identifier.destination. Returns false and sends nothing without an address or
+  /// while another long message to that destination is on its way. Ignores identifier.source.
   bool send(SimTime now, protocols::j1939::Identifier identifier,
             std::span<const std::uint8_t> payload);
-  /// A payload of group `pgn` as answer to whoever asked, or kGlobalAddress: `busy` where send()
-  /// says false.
+  /// Sends a payload of group `pgn` as answer to `destination`, the requester or kGlobalAddress.
+  /// Returns `busy` where send() returns false.
   [[nodiscard]] J1939Answer send_answer(SimTime now, std::uint32_t pgn, std::uint8_t destination,
                                         std::span<const std::uint8_t> payload);
-  /// To everybody, naming `requester` as the one who is answered.
+  /// Sends an acknowledgement to all nodes, naming `requester` as the one who is answered.
   void acknowledge(SimTime now, protocols::j1939::Acknowledge control, std::uint8_t requester,
                    std::uint32_t pgn);
 

@@ -131,7 +131,7 @@ J1939Reception J1939Transport::receive(SimTime now, const Identifier& identifier
                                        std::span<const std::uint8_t> payload,
                                        std::uint8_t own_address) {
   if (identifier.source >= j1939::kNullAddress || identifier.source == own_address) {
-    return J1939Reception::ignored;  // nobody that a session can be with
+    return J1939Reception::ignored;  // no node that a session can be with
   }
   J1939Reception reception = J1939Reception::malformed;
   if (identifier.pgn == j1939::kTransportDataPgn) {

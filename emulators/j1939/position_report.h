@@ -1,4 +1,4 @@
-// What a node tells about its position: VP, VDS and VP2 from a satellite fix.
+// Position messages of a node: VP, VDS and VP2 from a satellite fix.
 #pragma once
 
 #include "protocols/vehicle/position.h"

@@ -1,5 +1,5 @@
 // The trouble codes of a J1939 node: which are active, which were, how often each one came; and the
-// diagnostic messages that tell of them.
+// diagnostic messages that report them.
 //
 // Source: SAE J1939-73, 5.7.1: DM1 goes out every second, and at once on a change, with at least a
 // second between two changes reported at once. Clearing (DM3, DM11) does not mend anything: what is

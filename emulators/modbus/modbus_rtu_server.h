@@ -8,10 +8,10 @@
 //   frame are passed over in silence. A broadcast (address 0) that writes is carried out by every
 //   unit and not answered. There is no 0 or 255 for "the device itself" on a serial line.
 // - The turnaround after a broadcast is the master's affair: a request that comes sooner is served.
-// - A client that is set to another speed is not understood; nor is one of another parity, which no
-//   pseudo-terminal tells and only a fault can stand for (modbus_faults.h).
-// - Functions 7, 8 and 11 exist here beside those of TCP, with the counters of each unit; a unit
-//   that was told to listen only does nothing else until its communication is restarted.
+// - A client that is set to another speed is not understood; nor is one of another parity, which a
+//   pseudo-terminal does not report, so that only a fault can simulate it (modbus_faults.h).
+// - Functions 7, 8 and 11 exist here beside those of TCP, with the counters of each unit; a unit in
+//   listen-only mode does nothing else until its communication is restarted.
 //
 // Source: MODBUS over Serial Line V1.02, sections 2.4, 2.5, 2.6, 6.1.
 #pragma once

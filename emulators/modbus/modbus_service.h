@@ -1,9 +1,9 @@
 // The units of one Modbus line and what becomes of a request to one of them, whatever frames it.
 //
-// Order of what is looked at: whether the unit has supply, the faults of the moment (silence,
-// disconnection, an exception that the line is told to give), then function (01), then quantity,
-// byte count and value (03), then address (02), then what only the device knows. A request acts at
-// the instant given, at once and whole.
+// Order of the checks: whether the unit has supply, the active faults (silence, disconnection, an
+// exception to answer with), then function (01), then quantity, byte count and value (03), then
+// address (02), then what only the device knows. A request acts at the instant given, at once and
+// whole.
 #pragma once
 
 #include <array>
@@ -84,7 +84,7 @@ class ModbusService {
   /// Preconditions: has(number), pdu is not empty. Never throws.
   void serve(SimTime now, std::uint8_t number, std::span<const std::uint8_t> pdu,
              ModbusAnswer& answer);
-  /// Carries out a write at all units; everything else is ignored, as nobody would answer.
+  /// Carries out a write at all units; ignores any other request, as a broadcast is not answered.
   void broadcast(SimTime now, std::span<const std::uint8_t> pdu);
 
   /// News of the line for the counters of every unit.

@@ -27,7 +27,7 @@ class ModbusUnit {
 
   virtual ~ModbusUnit() = default;
 
-  /// A unit without supply hears nothing.
+  /// Whether the unit has supply; without it the unit receives nothing.
   [[nodiscard]] virtual bool supplied() const { return true; }
   /// How often it has been switched on: what the line counts of it begins anew with each.
   [[nodiscard]] virtual std::uint32_t starts() const { return 1; }

@@ -15,7 +15,7 @@
 //   * a request right behind another one, without a silence: a row of frames that begins and ends
 //     with lumps is taken as such.
 //   Bytes sent while an answer is on the line lie behind it.
-// A good frame that stands alone is handed on at the same instant either way.
+// A good frame between two silences is handed on at the same instant either way.
 #pragma once
 
 #include <array>
@@ -36,11 +36,11 @@ struct RtuFramerSettings {
 };
 void visit(fields::Visitor& v, RtuFramerSettings& p);
 
-/// Hears what the framer finds, from within its calls.
+/// Receives what the framer finds, from within its calls.
 class RtuListener {
  public:
   virtual ~RtuListener() = default;
-  /// A frame with a right check, for whomever; its last silence was over at `now`.
+  /// A frame with a right check, for any unit; its last silence was over at `now`.
   virtual void frame(SimTime now, const protocols::modbus::RtuFrame& frame) = 0;
   /// Bytes that were none.
   virtual void communication_error(SimTime now) = 0;
@@ -98,7 +98,7 @@ class RtuFramer {
   std::array<std::size_t, kLumpsMaximum> lumps_{};  ///< Where later lumps of the run begin.
   std::size_t lump_count_ = 0;
   bool spoiled_ = false;  ///< Nothing of this run can be used.
-  bool waiting_ = false;  ///< Looked at in vain; the rest may still come.
+  bool waiting_ = false;  ///< No frame found yet; the rest may still come.
 };
 
 }  // namespace rigwire::emulators

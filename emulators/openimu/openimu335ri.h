@@ -91,7 +91,7 @@ class OpenImu final : public CanDevice, public ImuBackend {
 
   [[nodiscard]] bool is_300() const { return settings_.variant == OpenImuVariant::openimu300ri; }
   [[nodiscard]] std::uint8_t merit(bool saturated) const;
-  /// What stands for the values of failed elements.
+  /// Returns what replaces the values of failed elements.
   [[nodiscard]] double no_number() const;
   /// A value and its figure of merit.
   void put(double value, bool saturated, double limit, double& number, std::uint8_t& figure) const;

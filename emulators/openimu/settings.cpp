@@ -45,7 +45,7 @@ constexpr std::array<fields::Choice<std::uint8_t>, 7> kCutOffs{{{0, "off", "No f
                                                                 {40, "40 Hz", ""},
                                                                 {50, "50 Hz", ""}}};
 
-/// The greatest of the 24 axes codes.
+/// The largest of the 24 axes codes.
 constexpr std::int64_t kLastOrientation = 0b101'101'100;
 
 void refuse(const std::string& what) {

@@ -1,4 +1,4 @@
-// What an OpenIMU is told at power-on and what a client changes over the bus.
+// Settings of an OpenIMU: those at power-on and those that a client changes over the bus.
 #pragma once
 
 #include <array>

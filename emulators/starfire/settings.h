@@ -28,7 +28,8 @@ struct StarFireSettings {
   // The node.
   std::uint8_t source_address = 28;  ///< 0 .. 253.
   std::uint32_t serial = 1;          ///< 1 .. 2097151; identity in the NAME, unique on a bus.
-  /// The real one's are not known: what it is, by the standard; nobody's manufacturer code.
+  /// The real device's NAME is not known: function and industry group are the standard's, the
+  /// manufacturer code is no maker's.
   J1939NameSettings name{.function = kVehicleNavigation, .industry_group = kAgriculture};
 };
 

@@ -1,11 +1,11 @@
-// Where a u-blox receiver stands when it is a base station: CFG-TMODE, the mode that is fixed and
-// the survey that finds the place.
+// The position of a u-blox receiver that is a base station: CFG-TMODE, with the mode of a fixed
+// position and the survey that finds it.
 //
-// A survey takes the mean of all positions of fixes, and ends when both its least duration and its
-// accuracy are reached. The mean's accuracy follows from that of its positions: their errors keep
-// for a minute, so the mean of a time T is better by sqrt(1 + T / 60 s); the place is as good as
-// the signals let it be, no better. With the place known the receiver reports time only (fix type
-// 5) and that place.
+// A survey takes the mean of all positions of fixes, and ends when both its minimum duration and
+// its accuracy are reached. The mean's accuracy follows from that of its positions: their errors
+// persist for a minute, so the mean of a time T is better by sqrt(1 + T / 60 s); the position is no
+// better than the signals allow. With the position known the receiver reports it and time only (fix
+// type 5).
 //
 // Sources: ZED-F9P integration manual UBX-18010802, section 3.1.5.4 "Base station"; interface
 // description HPG 1.32 UBX-22008968, UBX-CFG-TMODE3, UBX-NAV-SVIN, CFG-TMODE. How the mean's
@@ -32,7 +32,7 @@ class UbloxBaseStation {
   /// Earth-fixed; nothing unless it is known.
   [[nodiscard]] const std::optional<std::array<double, 3>>& place_E_m() const { return place_E_m_; }
   [[nodiscard]] const UbloxSurvey& survey() const { return survey_; }
-  /// Its own fix says that it stands elsewhere, by more than 50 m; once for each place.
+  /// Returns whether its own fix is more than 50 m away; true once for each place.
   [[nodiscard]] bool seems_wrong(const UbloxSolution& solution);
 
  private:

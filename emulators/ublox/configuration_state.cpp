@@ -46,7 +46,7 @@ CfgNavx5 default_expert(const UbloxProfile& profile) {
   navx5.week_rollover = static_cast<std::uint16_t>(profile.first_week);
   navx5.precise_point_positioning = 1;
   navx5.maximum_orbit_error_m = 100;
-  // Masks and reserved bytes as a NEO-7P answers: it tells all masks, so that what was read can be
+  // Masks and reserved bytes as a NEO-7P answers: it sets all masks, so that what was read can be
   // changed and written back.
   navx5.mask1 = 0xFFFF;
   navx5.mask2 = 0x0000'000F;

@@ -203,7 +203,7 @@ bool UbloxCorrectionInput::take(const rtcm3::LegacyObservations& m, SimTime now)
   const auto system = m.glonass ? rtcm3::MsmSystem::glonass : rtcm3::MsmSystem::gps;
   constexpr std::uint8_t kFirst = 2;
   constexpr std::uint8_t kSecond = 8;
-  constexpr std::uint8_t kGreatestGps = 32;  // above them stand those of SBAS
+  constexpr std::uint8_t kGreatestGps = 32;  // higher numbers are SBAS satellites
   for (const auto& s : std::span(m.satellites).first(m.count)) {
     if (!m.glonass && s.number > kGreatestGps) {
       continue;

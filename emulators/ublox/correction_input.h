@@ -1,13 +1,13 @@
-// What a u-blox receiver hears of a base station, put together from the RTCM 3 messages of all its
-// ports: the station's place (1005, 1006, or 4072 of a moving one), and one epoch of its
+// What a u-blox receiver gets from a base station, assembled from the RTCM 3 messages of all its
+// ports: the station's position (1005, 1006, or 4072 of a moving one), and one epoch of its
 // observations (MSM4, MSM5, MSM7, 1001 to 1004, 1009 to 1012), complete with the message that says
 // that no other follows.
 //
-// Observations count only with the place of the same station. 1230 and 1033, by which GLONASS
-// carriers of another make could be fixed, are understood, and of no consequence: the carriers of
-// GLONASS are not looked at by the engine. Of the messages that a ZED-F9P takes, 1007, an antenna's
-// name, is counted and not used; 4072.1 a ZED-F9P of this firmware takes no more (it is "only valid
-// with firmware version HPG 1.12").
+// Observations count only with the position of the same station. 1230 and 1033, by which GLONASS
+// carriers of another make could be fixed, are understood but have no effect: the engine does not
+// use the carriers of GLONASS. Of the messages that a ZED-F9P takes, 1007, an antenna's name, is
+// counted and not used; a ZED-F9P of this firmware no longer takes 4072.1 (it is "only valid with
+// firmware version HPG 1.12").
 //
 // Sources: ZED-F9P integration manual UBX-18010802, tables 6 and 7 (messages), section 3.1.5 (which
 // of them make a solution); interface description HPG 1.50, CFG-RTCM (stations).

@@ -20,7 +20,7 @@ namespace rigwire::emulators {
 /// The class of RTCM 3 messages in CFG-MSG.
 inline constexpr std::uint8_t kClassRtcm3 = 0xF5;
 
-/// What the messages of one epoch tell.
+/// Content of one epoch's messages.
 struct UbloxCorrectionContent {
   const GnssSample* sample = nullptr;  ///< Null before the first.
   GpsTime measured;                    ///< What the receiver's clock showed then.

@@ -3,8 +3,8 @@
 //
 // Source: u-blox F9 HPG 1.50 interface description, UBXDOC-963802114-12815, section 6.10 "Legacy
 // UBX message fields reference". Time pulse: CFG-TP-PERIOD and LEN are the fields of CFG-TP5
-// whatever its flags say, FREQ and DUTY stand for themselves. CFG-PRT, CFG-RATE and the others keep
-// their meaning on a ZED-F9P; either way of writing is seen by the other.
+// whatever its flags say; FREQ and DUTY are separate. CFG-PRT, CFG-RATE and the others keep their
+// meaning on a ZED-F9P; either way of writing is seen by the other.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,5 @@
-// What a u-blox receiver can be told while it runs: by the UBX-CFG messages of its own software.
+// Settings of a u-blox receiver that can be changed at run time: by the UBX-CFG messages of its own
+// software.
 #include <algorithm>
 #include <array>
 #include <string>

@@ -60,7 +60,7 @@ template <class Head, class Block>
                 protocols::ubx::MonVerHead::kLength +
                     7 /*extensions*/ * protocols::ubx::MonVerExtension::kLength);
 }
-/// CFG-MSG takes a rate, and nothing ever comes: what they would tell is not emulated.
+/// A message that has a rate in CFG-MSG but is never sent: its content is not emulated.
 [[nodiscard]] constexpr UbloxMessage silent(std::uint8_t message_class, std::uint8_t id) {
   return {{message_class, id}, {}, 0, message_class >= 0xF0, true, false};
 }

@@ -78,7 +78,7 @@ std::uint8_t jamming_state(const UbloxMonitorView& view, double jamming) {
   return jamming >= kCritical ? 3 : jamming >= kWarning ? 2 : 1;
 }
 
-/// The jamming indicator of a radio that hears nothing but noise: it wanders a little.
+/// Returns the jamming indicator of a radio that receives only noise: it varies a little.
 std::uint8_t quiet_jamming(const UbloxMonitorView& view) {
   const UbloxFrontEnd& quiet = view.configuration.profile().front_end;
   constexpr std::uint64_t kOwnStream = 0x6A61'6D6D'696E'6700;
@@ -108,7 +108,7 @@ MonHw hardware(const UbloxMonitorView& view, bool second_band = false) {
   return m;
 }
 
-/// The bands of a receiver with two. Undisturbed, both hear the same.
+/// The bands of a receiver with two. Without disturbance both read the same.
 std::size_t put_bands(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
   // The middle of what recordings show: 6 to 24, 150 to 169.
   constexpr std::int8_t kOffset = 15;
@@ -280,7 +280,7 @@ SecUniqid unique_number(const UbloxMonitorView& view) {
   return m;
 }
 
-/// Centre frequencies of the signals of the systems that are heard, each once.
+/// Centre frequencies of the signals of the tracked systems, each once.
 std::size_t put_signal_security(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
   constexpr unsigned kJammingBits = 1;
   constexpr std::uint8_t kJammingEnabled = 0x01;

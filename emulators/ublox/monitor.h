@@ -53,7 +53,7 @@ struct UbloxTimeMark {
   GpsTime falling;
 };
 
-/// Everything that the messages of this file tell.
+/// Input of all messages of this file.
 struct UbloxMonitorView {
   const UbloxSolution& solution;
   const UbloxConfiguration& configuration;

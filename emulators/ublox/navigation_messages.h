@@ -21,8 +21,8 @@ namespace rigwire::emulators {
 inline constexpr std::size_t kLongestNavigationFrame = 2048;
 
 /// Writes the UBX frame of a message of class NAV and returns its size; 0 when there is no such
-/// message here. The carrier solution is told where the profile has one. Values beyond a field's
-/// range are clamped to it. Precondition: out.size() >= kLongestNavigationFrame.
+/// message here. The carrier solution is reported where the profile has one. Values beyond a
+/// field's range are clamped to it. Precondition: out.size() >= kLongestNavigationFrame.
 [[nodiscard]] std::size_t encode_navigation(const UbloxSolution& solution,
                                             const UbloxProfile& profile,
                                             protocols::ubx::MessageId id,

@@ -330,7 +330,7 @@ void UbloxNavigator::keep_known_orbits(SimTime now) {
   auto& list = solution_.satellites;
   auto count = static_cast<std::size_t>(std::ranges::count_if(
       list, [&](const SatelliteView& view) { return view.used && is_heard(view); }));
-  // The strongest of the others is the next one to be heard.
+  // The strongest of the others is the next one whose orbit is received.
   for (; count < known; ++count) {
     const SatelliteView* next = nullptr;
     for (const SatelliteView& view : list) {
@@ -537,8 +537,8 @@ void UbloxNavigator::take_position(const GnssSample& sample,
                        configuration.enabled(GnssSystem::sbas);
   s.carrier = rtk ? sample.carrier : CarrierSolution::none;
   s.differential = sample.differential && (rtk || by_sbas);
-  // The age is that of a base station's corrections; of SBAS none is told (recordings of a NEO-7P:
-  // 3890 of 3890 sentences).
+  // The age is that of a base station's corrections; none is reported for SBAS (recordings of a
+  // NEO-7P: 3890 of 3890 sentences).
   s.differential_age_s =
       s.carrier != CarrierSolution::none ? sample.differential_age_s : std::nullopt;
   hold_position(limits);
@@ -666,7 +666,7 @@ bool UbloxNavigator::take_slow_course(SimTime now, const protocols::ubx::CfgOdo&
     return true;
   }
   if (now - anchor_->since >= kLongest) {
-    anchor_ = here;  // it stands
+    anchor_ = here;  // stationary
     return false;
   }
   // On its way from there: the course is the last one, if it has had one since it is slow.

@@ -6,8 +6,8 @@
 // samples as a GnssCommand, which holds from the next epoch on; position, dilutions and accuracies
 // are then of the satellites that it used. Where fewer count here than there (an epoch's time after
 // a setting, and after a start without ephemerides, when a fix begins with four satellites and the
-// others join as their orbits are heard), dilutions are greater by the ratio of the two geometries,
-// after such a start the accuracies, too; the position stays.
+// others join as their orbits are received), dilutions are greater by the ratio of the two
+// geometries, after such a start the accuracies, too; the position stays.
 //
 // Sources: u-blox M8 receiver description, UBX-13003221 R28, sections 8 "Navigation Configuration
 // Settings Description", 21 "Odometer" and 32.10.18 "UBX-CFG-NAV5"; the ladder from a recorded cold
@@ -74,8 +74,8 @@ class UbloxNavigator {
     }
     solution_.base = solution_.differential_age_s ? base : std::nullopt;
   }
-  /// After take(), as a base station: its survey, and the place where it stands if it is known,
-  /// which then is its position whatever the satellites say.
+  /// After take(), for a base station: its survey, and its position if that is known, which it then
+  /// reports whatever the satellites say.
   void set_own_place(const UbloxSurvey& survey,
                      const std::optional<std::array<double, 3>>& place_E_m);
 
@@ -114,7 +114,7 @@ class UbloxNavigator {
   /// The course of slow motion, from positions; false where it is not to be had so.
   bool take_slow_course(SimTime now, const protocols::ubx::CfgOdo& odometer, double speed_mps);
   void count_distance(SimTime now, const protocols::ubx::CfgOdo& odometer);
-  /// Before all orbits are heard: only satellites whose orbit is known stay used.
+  /// Before all orbits are received: only satellites whose orbit is known stay used.
   void keep_known_orbits(SimTime now);
 
   const Calendar calendar_;
@@ -131,7 +131,7 @@ class UbloxNavigator {
   bool had_3d_fix_ = false;
   std::int64_t tracking_since_s_ = -1;  ///< GPS time of week; < 0 while nothing is tracked.
   std::optional<Hold> hold_;
-  /// After a start without ephemerides: satellites whose orbit was heard so far.
+  /// After a start without ephemerides: satellites whose orbit was received so far.
   bool hearing_orbits_ = false;
   std::vector<std::pair<GnssSystem, std::uint8_t>> heard_;
   bool had_course_ = false;

@@ -1,5 +1,5 @@
 // The u-blox NEO-M8N: protocol 18.00, firmware SPG 3.01 in flash; and the NEO-M8T, the timing
-// receiver of the same generation that tells its raw measurements: protocol 22.00, firmware
+// receiver of the same generation that reports its raw measurements: protocol 22.00, firmware
 // TIM 1.10.
 //
 // Source: u-blox M8 receiver description, UBX-13003221 R28, sections 2.1.2 (texts at power-on),

@@ -114,7 +114,7 @@ nmea::Epoch nmea_epoch(const UbloxSolution& s, const UbloxConfiguration& configu
                     : (settings.flags & ubx::kNmeaCompatible) != 0  ? nmea::Precision::compatible
                                                                     : nmea::Precision::normal;
   const unsigned systems = enabled_systems(configuration);
-  constexpr int kSeveralSystems = 8;  // from that generation on sentences tell systems apart
+  constexpr int kSeveralSystems = 8;  // first generation whose sentences distinguish systems
   epoch.systems = configuration.profile().generation >= kSeveralSystems ? systems : 0;
   epoch.talker = talker_of(settings.main_talker, systems, epoch.version);
   epoch.gsv_main_talker = settings.gsv_talker == 1;

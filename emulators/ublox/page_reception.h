@@ -1,6 +1,6 @@
-// What a receiver hears of the navigation messages of Galileo, BeiDou and GLONASS, and of GPS on
-// L2C: pages, subframes, strings and messages as they become complete, whole ones only, in the form
-// in which RXM-SFRBX hands them on.
+// Reception of the navigation messages of Galileo, BeiDou and GLONASS, and of GPS on L2C: pages,
+// subframes, strings and messages as they become complete, whole ones only, in the form in which
+// RXM-SFRBX hands them on.
 //
 //   GPS       CNAV of L2 CM: a message of 12 s, ten words, the last with twelve bits of it. What
 //             satellites send when: protocols/gps/cnav.h. QZSS' L2C is not handed on

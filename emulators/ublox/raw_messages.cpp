@@ -22,7 +22,7 @@ constexpr MessageId kRxmEph{0x02, 0x31};
 constexpr double kL1_hz = 1'575.42e6;
 constexpr double kCyclesPerMillisecond = kL1_hz * 1e-3;
 
-/// A carrier noisier than the greatest sigma of RXM-RAWX is not used.
+/// A carrier noisier than the maximum sigma of RXM-RAWX is not used.
 constexpr double kCarrierStep_cycles = 0.004;
 constexpr double kCarrierLimit_cycles = 15 * kCarrierStep_cycles;
 /// The sign of the data, and with it the half cycle, is known after a preamble: 6 s and some.
@@ -38,7 +38,7 @@ bool half_cycle_resolved(const GnssMeasurement& m) {
   return m.locked >= kHalfCycleResolved;
 }
 
-/// Exponent n of the least step * 2^n that is not less than sigma, 0..15.
+/// Returns the smallest n for which step * 2^n is not less than sigma, at most 15.
 std::uint8_t exponent_of(double sigma, double step) {
   std::uint8_t n = 0;
   while (n < 15U && !(std::ldexp(step, n) >= sigma)) {

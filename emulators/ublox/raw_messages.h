@@ -7,8 +7,8 @@
 //   AID-EPH, AID-ALM, AID-HUI     ephemerides, almanac, health with UTC and ionosphere; RXM-EPH and
 //                                 RXM-ALM are older names of the first two
 //
-// The receiver calls begin() when it starts, update() at every epoch that it hears, and then asks
-// for frames one by one. No I/O; nothing is allocated after construction.
+// The receiver calls begin() when it starts, update() at every epoch that it receives, and then
+// asks for frames one by one. No I/O; nothing is allocated after construction.
 //
 // Sources: u-blox M8 receiver description, UBX-13003221 R28, sections 32.9 "UBX-AID" and 32.18
 // "UBX-RXM". RXM-RAWX and RXM-SFRBX besides from recordings of a NEO-M8T (gpsd's regression tests):
@@ -47,7 +47,7 @@ struct UbloxTimeKnowledge {
   bool leap_known = false;
   std::int32_t leap_seconds = 0;
   std::int32_t week_shift = 0;       ///< Week as the firmware resolves it, less the true one.
-  std::uint32_t since_start_ms = 0;  ///< Stands for the time of week while that is not known.
+  std::uint32_t since_start_ms = 0;  ///< Replaces the time of week until that is known.
 };
 
 /// Signals that one epoch measures at most; those beyond are left out.
@@ -66,12 +66,12 @@ class UbloxRawMessages {
   /// first time it is what the satellites send at the first epoch.
   void begin(bool ephemerides_remembered, bool almanac_remembered);
 
-  /// An epoch, in order of time. When the receiver hears nothing (antenna broken), it still comes,
-  /// as a sample without tracked satellites: a satellite counts as tracked from one epoch that says
-  /// so to the next one that does not.
+  /// An epoch, in order of time. When the receiver receives nothing (antenna broken), it still
+  /// comes, as a sample without tracked satellites: a satellite counts as tracked from one epoch
+  /// that says so to the next one that does not.
   void update(const GnssSample& sample, const UbloxTimeKnowledge& time);
 
-  /// What a message tells; `other` is none of this file.
+  /// Content of a message; `other`: not one of this file.
   enum class Kind : std::uint8_t { other, measurements, subframes, ephemeris, almanac, health };
   [[nodiscard]] static Kind kind(protocols::ubx::MessageId id);
   [[nodiscard]] static bool handles(protocols::ubx::MessageId id) {

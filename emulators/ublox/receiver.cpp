@@ -470,7 +470,7 @@ void UbloxReceiver::parse(SimTime now) {
         continue;
       }
       if (frame.fault().offset >= protocols::rtcm3::kHeaderBytes) {
-        // Whole, with a wrong checksum: what it calls itself is told, and its bytes are garbage.
+        // Complete, with a wrong checksum: RXM-RTCM reports its type, and its bytes are garbage.
         constexpr std::uint8_t kChecksumFailed = 1;
         tell_received(now, {rest.subspan(protocols::rtcm3::kHeaderBytes)}, kChecksumFailed);
       }
@@ -825,7 +825,7 @@ UbloxCorrectionContent UbloxReceiver::correction_content() const {
   content.sample = &latest_;
   const SimTime told = latest_.time + latest_.clock_label_offset;
   content.measured = calendar_.gps(told);
-  // At the epoch that is told: a leap second may end between the measurement and it.
+  // At the epoch that is reported: a leap second may end between the measurement and it.
   content.leap_seconds = s.leap_seconds + calendar_.leap_seconds(told) -
                          calendar_.leap_seconds(latest_.time + latest_.measured_after);
   content.station = configuration_.present().station_out;

@@ -2,9 +2,9 @@
 //
 // Wire face: the TXT banner after power-on, then every epoch's messages in the order of the real
 // device, paced at 10 bits per byte; UBX configuration with true acknowledgements, polls, PUBX
-// commands. A client at another speed hears garbage and is not understood. Backend face: one
-// GnssSample per epoch, at the instants of sample_plan().
-// docs/devices/ublox-neo-7p.md lists the messages, constants and deviations with their sources.
+// commands. A client at another speed receives garbage and is not understood. Backend face: one
+// GnssSample per epoch, at the instants of sample_plan(). docs/devices/ublox-neo-7p.md lists the
+// messages, constants and deviations with their sources.
 #pragma once
 
 #include <array>
@@ -68,8 +68,8 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   /// CFG-RST.
   [[nodiscard]] SamplePlan sample_plan() const override { return plan_; }
 
-  /// Without supply nothing is sent and nothing heard; a chunk that is on the line is finished.
-  /// With a backup battery time, orbits (for four hours) and the saved configuration outlive that;
+  /// Without supply nothing is sent or received; a chunk that is on the line is finished. With a
+  /// backup battery time, orbits (for four hours) and the saved configuration survive that;
   /// without, nothing does.
   [[nodiscard]] Supply& supply() { return supply_; }
   [[nodiscard]] const Supply& supply() const { return supply_; }

@@ -1,5 +1,5 @@
-// What a receiver hears of satellite based augmentation: one message a second of each satellite
-// that it tracks, whole ones only.
+// Reception of satellite based augmentation (SBAS): one message a second of each satellite that the
+// receiver tracks, whole ones only.
 //
 // The corrections that the model applies are its own, so what is sent says "nothing to correct":
 // the mask of GPS, fast corrections of 0 for it, and null messages. A satellite sends, by second of

@@ -82,7 +82,7 @@ struct UbloxSettings {
   /// station that it then calls itself.
   std::optional<std::array<double, 3>> place_E_m;
   std::uint16_t station = 0;
-  /// False: what it hears of a base station is counted and not used.
+  /// False: messages of a base station are counted and not used.
   bool uses_corrections = true;
   /// From power-on to the first fix; 0 = hot start, with a fix in the first epoch. A cold restart
   /// by CFG-RST takes this time again, or 30 s when it is 0. At most 1 h.

@@ -64,7 +64,7 @@ std::uint8_t UbloxSignalSecurity::spoofing() const {
 void UbloxSignalSecurity::look(SimTime now, const std::vector<SatelliteView>& satellites,
                                const RadioState& radio, bool has_fix, bool sensitive) {
   now_ = now;
-  // Strengths of what is heard now and was before.
+  // Signal strengths of satellites tracked now and at the epoch before.
   strengths_.clear();
   strengths_before_.clear();
   unsigned systems = 0;

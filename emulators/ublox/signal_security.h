@@ -1,9 +1,9 @@
-// How an emulated u-blox receiver looks for false and for disturbed signals, by what it hears
+// Detection of false and of disturbed signals by an emulated u-blox receiver, from what it receives
 // alone: NAV-STATUS spoofDetState, SEC-SIG, SEC-SIGLOG.
 //
 // False signals of one transmitter are as strong as each other, wherever their satellites seem to
 // be; real ones differ by elevation, antenna and surroundings. So the change from one to the other,
-// either way, is abrupt: of six satellites or more that are heard at two epochs in a row, the
+// either way, is abrupt: of six satellites or more that are received at two epochs in a row, the
 // strengths come together and rise, or fall and go apart. Only the change is seen, as u-blox says
 // of its own ("detection is not possible if the receiver is started under spoofing conditions"): a
 // receiver that begins under false signals reports none. It counts for one epoch in NAV-STATUS and
@@ -11,7 +11,7 @@
 // event times out. The thresholds are chosen: fading of an open sky or a drive through a wood does
 // not reach them.
 //
-// Jamming is how far the noise floor has come up, of each band.
+// Jamming is the rise of the noise floor in each band.
 //
 // Sources: ZED-F9P integration manual UBX-18010802, section 3.14; interface description HPG 1.50,
 // UBXDOC-963802114-12815, sections 3.15.20 "UBX-NAV-STATUS", 3.18.2 and 3.18.3.

@@ -13,7 +13,7 @@
 
 namespace rigwire::emulators {
 
-/// A base station as its messages told of it.
+/// A base station as its messages describe it.
 struct UbloxBase {
   std::uint16_t station = 0;
   SimTime measured{};
@@ -21,7 +21,7 @@ struct UbloxBase {
   std::array<double, 3> velocity_E_mps{};  ///< 0 unless it moves.
   bool moving = false;
 
-  /// Where it is at `time`, as far as it told.
+  /// Returns its position at `time`, extrapolated with its velocity.
   [[nodiscard]] std::array<double, 3> at(SimTime time) const;
 };
 
@@ -94,7 +94,7 @@ struct UbloxSolution {
   const GnssSample* sample = nullptr;
 };
 
-/// How a receiver resolves what the satellites do not say, and what it has heard so far.
+/// How a receiver resolves weeks and leap seconds that the satellites do not give.
 struct UbloxTimeBase {
   std::int32_t first_week = 1691;  ///< The 10-bit week is that of the 1024 weeks from here on.
   std::int32_t default_leap_seconds = 16;  ///< While solution.leap_known is false.

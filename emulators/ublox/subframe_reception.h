@@ -34,8 +34,8 @@ class SubframeReception {
  public:
   SubframeReception();
 
-  /// Nothing is tracked any more. Of what was known remains what is said to be remembered; a
-  /// receiver that never heard anything takes it from what the satellites send at the next epoch.
+  /// Starts with nothing tracked. What is said to be remembered is kept; a receiver that has never
+  /// received anything takes it from what the satellites send at the next epoch.
   void begin(bool ephemerides_remembered, bool almanac_remembered);
 
   /// An epoch at `now`; times do not decrease. The satellites that sample.satellites calls tracked

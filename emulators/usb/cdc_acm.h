@@ -1,13 +1,13 @@
 // A serial line on USB (CDC-ACM), as devices with a USB socket of their own have it.
 //
-// The device's side sends bytes in and hears what the host sent and how it set the line. What is
-// sent waits in a queue of `queue_bytes` for the host's reads; a unit that does not fit is lost
-// whole and counted. While no client has the line open nothing waits: bytes are taken and
+// The device's side sends bytes in and is notified of what the host sent and how it set the line.
+// What is sent waits in a queue of `queue_bytes` for the host's reads; a unit that does not fit is
+// lost whole and counted. While no client has the line open nothing waits: bytes are taken and
 // forgotten, and what the last client left unread goes with it.
 //
-// A client is there while DTR is set or somebody reads: a host opens the line by one or the other.
-// It reads no more when it takes its last read back, or has had it answered and asks for nothing
-// within kReadPause.
+// A client is present while DTR is set or the host reads: a host opens the line by one or the
+// other. The host has stopped reading when it takes its last read back, or has had it answered and
+// asks for nothing within kReadPause.
 //
 // A read of the host ends with the bytes that there are, at most as many as it asks for. It ends
 // short, by a packet that is not full or, after a multiple of the packet size, by an empty one;
@@ -81,7 +81,7 @@ class CdcAcm final : public UsbDevice {
 
   /// False when the bytes did not fit.
   bool send(SimTime now, std::span<const std::uint8_t> bytes);
-  /// Bits of serial_state; told to the host when they changed or are events.
+  /// Bits of serial_state; sent to the host when they changed or are events.
   void set_serial_state(SimTime now, std::uint16_t state);
   [[nodiscard]] const CdcAcmLine& line() const { return line_; }
   [[nodiscard]] std::uint64_t lost_bytes() const { return lost_bytes_; }
@@ -111,7 +111,7 @@ class CdcAcm final : public UsbDevice {
   /// Hands queued bytes to open reads.
   void pump(SimTime now);
   void pump_notifications(SimTime now);
-  /// Works out who is there, and tells the device when anything is new.
+  /// Updates whether a client is present, and notifies the device of any change.
   void update_line(SimTime now, CdcAcmLine line);
   [[nodiscard]] bool serve(SimTime now, UsbTransfer transfer, const protocols::usb::Setup& setup,
                            std::span<const std::uint8_t> data);

@@ -173,7 +173,7 @@ class GsUsbAdapter final : public UsbDevice {
 
   BoundedQueue<HostFrame, kMemoryMax> from_host_;
   BoundedQueue<HostFrame, kTransmitMailboxes> in_controller_;
-  std::size_t dropped_ = 0;  ///< Frames whose confirmation concerns nobody any more.
+  std::size_t dropped_ = 0;  ///< Frames whose confirmation is to be ignored.
   BoundedQueue<HostFrame, kMemoryMax> to_host_;
   bool overflowed_ = false;  ///< To be said with the next received frame.
   BoundedQueue<Read, kReadsMax> reads_;

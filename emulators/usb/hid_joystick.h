@@ -11,7 +11,7 @@
 // GET and SET_IDLE, the class's descriptors; GET and SET_PROTOCOL and SET_REPORT stall, as in
 // devices without a boot protocol and without outputs.
 //
-// Source: see protocols/usb/hid.h. The device is nobody's product; its vendor and product id are
+// Source: see protocols/usb/hid.h. The device is no maker's product; its vendor and product id are
 // those that pid.codes gives for tests.
 #pragma once
 

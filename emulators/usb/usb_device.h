@@ -23,7 +23,7 @@ namespace rigwire::emulators {
 /// Number of one transfer, chosen by the host.
 using UsbTransfer = std::uint32_t;
 
-/// A control transfer of the client's, for people who look on.
+/// A control transfer of the client, for viewers.
 struct UsbRequest {
   SimTime at{};
   protocols::usb::Setup setup;

@@ -1,5 +1,5 @@
 // One device at one port of a host: what a host controller and the device's own protocol engine
-// settle before the device's function hears of a transfer.
+// settle before the device's function receives a transfer.
 //
 // Control transfers go to the standard requests or to the device; transfers to endpoints that the
 // present configuration does not have, or that are halted, stall. Every transfer that is submitted

@@ -37,7 +37,7 @@ class UsbStandardRequests {
     std::span<const std::uint8_t> data;  ///< Valid until the next request.
   };
   /// Nothing when the request is the device's own: class and vendor requests, and descriptors of
-  /// an interface's class. Tells the device of configurations and alternate settings.
+  /// an interface's class. Notifies the device of configurations and alternate settings.
   [[nodiscard]] std::optional<Answer> answer(SimTime now, const protocols::usb::Setup& setup);
 
   /// Selected by SET_CONFIGURATION; 0 at first.

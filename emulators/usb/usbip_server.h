@@ -1,18 +1,16 @@
 // Exports USB devices by USB/IP: what a client's kernel attaches as if it were plugged in there.
 //
-// - Each port has one device, the bus id "1-<port>" (ports count from 1) and bus and device number
-// 1
-//   and <port>. A device that is not plugged in is neither listed nor given away.
+// - Each port has one device, with the bus id "1-<port>" (ports count from 1) and bus and device
+//   number 1 and <port>. A device that is not plugged in is neither listed nor given away.
 // - One client has a device at a time. A second one that asks for it is refused with status 1, as
 //   is one that asks for a bus id that is not there.
-// - An import is a power-on of the device; the end of the connection, whoever ends it, the removal
-//   of its host. USB/IP tells the device nothing of bus resets and suspension, and has no frame
-//   clock: the device paces its data itself.
+// - An import is a power-on of the device; the end of the connection, by either side, is the
+//   removal of its host. USB/IP does not report bus resets and suspension to the device, and has no
+//   frame clock: the device paces its data itself.
 // - Submits are answered when the device ends the transfer; up to `transfers_max` may be open, more
 //   are answered with ENOMEM. Isochronous transfers are answered with ENOSYS.
 // - An unlink that finds its transfer open is answered with ECONNRESET, and the transfer not at
-// all;
-//   otherwise with 0.
+//   all; otherwise it is answered with 0.
 // - unplug() answers open transfers with ENODEV and ends the connection, which is how the client's
 //   port becomes empty. plug() makes the device available again.
 // - Nothing behind a malformed message can be trusted: it ends the connection. So does a number

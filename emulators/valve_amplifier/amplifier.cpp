@@ -325,7 +325,7 @@ double ValveAmplifier::wanted_ma(std::size_t section) const {
   if (opening == 0.0) {
     return 0.0;
   }
-  // Linear from the current of the least opening to that of the full one.
+  // Linear from the current at the minimum opening to that at the full one.
   return parameters_.current_start_ma +
          (parameters_.current_full_ma - parameters_.current_start_ma) * opening;
 }
@@ -343,7 +343,7 @@ double ValveAmplifier::carried(std::size_t section) const {
     return 0.0;
   }
   const double span_ma = parameters_.current_full_ma - parameters_.current_start_ma;
-  // Inverse of wanted_ma(): the opening that the greatest current carries.
+  // Inverse of wanted_ma(): the opening that the maximum current carries.
   const double opening = (coils_[section].greatest_ma() - parameters_.current_start_ma) / span_ma;
   return std::copysign(std::clamp(opening, 0.0, std::abs(set_point)), set_point);
 }

@@ -8,10 +8,9 @@
 //   - A section can be switched off by itself: it goes to neutral at once and stays there whatever
 //     the reaction to a trip; switched on again it starts from 0 unless that request commands it.
 //   - The watchdog runs while enabled, from the last feed(). A feed at the very instant of expiry
-//   is
-//     too late. On expiry fault 1 is latched and the outputs react at exactly that instant; hold,
-//     float and loss position last until the master clears enable, asks for quick stop or resets
-//     the fault.
+//     is too late. On expiry fault 1 is latched and the outputs react at exactly that instant;
+//     hold, float and loss position last until the master clears enable, asks for quick stop or
+//     resets the fault.
 //   - A fault stays latched until fault_reset goes from false to true. What happens by itself at
 //     the instant of a reset (a watchdog running out, a supervision delay ending) happens before
 //     it. A reset begins every supervision anew, so that a cause that is still there latches again
@@ -20,7 +19,7 @@
 //     some.
 //
 // What leaves for the machine (command()) is the set point as far as the coil can carry it: the
-// opening that belongs to the greatest current U / R(T), 0 without current, and the opening of its
+// opening that belongs to the maximum current U / R(T), 0 without current, and the opening of its
 // beginning while a spool is stuck. The coil's time constant is not on that way: the machine
 // model's spool lag (sim/hydraulics/spool.h) is that of coil, pilot and spool together, and is
 // there once. The lag is in the reported current. Dither is too fast for the machine; it is in the

@@ -1,4 +1,4 @@
-// What can go wrong with a valve amplifier: what it reports, and what somebody does to it.
+// Faults of a valve amplifier: those that it reports, and defects and events that are injected.
 #pragma once
 
 #include <array>

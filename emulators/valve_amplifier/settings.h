@@ -39,7 +39,7 @@ struct ValveAmplifierParameters {
   Duration watchdog = std::chrono::milliseconds(200);  ///< 0 = off, 1 ms .. 1 h.
   ValveReaction reaction = ValveReaction::neutral;
   double loss_position = 0.0;       ///< -1 .. 1, of every section.
-  double current_start_ma = 250.0;  ///< At the least opening.
+  double current_start_ma = 250.0;  ///< At the minimum opening.
   double current_full_ma = 750.0;   ///< At 100 % opening.
   ValveDither dither;
   std::array<ValveStageParameters, kValveSections> stage{};

@@ -9,8 +9,8 @@
 //     registers too. So it is section by section where a map enables them one by one.
 //   - A command in two halves is command_a less command_b, as the currents of two solenoids pull
 //     against each other.
-//   - Without supply it hears nothing and its outputs are at neutral. When that comes back the
-//     registers are as delivered, and nothing is enabled or latched.
+//   - Without supply it receives nothing and its outputs are at neutral. When the supply comes back
+//     the registers are as delivered, and nothing is enabled or latched.
 //   - Registers of sections that are not fitted take a command of 0 only and read 0.
 #pragma once
 

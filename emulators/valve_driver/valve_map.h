@@ -116,7 +116,7 @@ void visit(fields::Visitor& v, ValveMap& p);
 /// Throws std::invalid_argument that names the register and what is wrong: overlaps, units that do
 /// not belong to the signal, ranges that the format cannot carry, what cannot be written or read,
 /// sections that are not there, functions that leave a table out of reach.
-/// Does not ask the rules of visit(): a count that is not given stands as NaN.
+/// Does not check the rules of visit(): a count that is not given is NaN.
 void validate(const ValveMap& map);
 /// Whether a device with this map has the function, whatever the request.
 [[nodiscard]] bool has_function(const ValveMap& map, std::uint8_t function);

@@ -148,7 +148,7 @@ bool VehicleControl::take(SimTime now, const vehicle::Tsc1& request) {
   }
   const bool drives = mode == vehicle::OverrideMode::speed || mode == vehicle::OverrideMode::torque;
   if (drives && !in_force(VehicleRequest::engine) && !in_force(VehicleRequest::speed)) {
-    asked_.travel_speed_mps.reset();  // somebody takes over who does not ask for a speed
+    asked_.travel_speed_mps.reset();  // TSC1 takes over, without a speed request
   }
   clear_engine_limit();
   switch (mode) {
@@ -490,7 +490,7 @@ void VehicleControl::travel(VehicleCommand& next) {
   if (stopping_ && commanded && asked_.travel_speed_mps.value_or(0.0) != 0.0) {
     speed_limit_ = LimitStatus::operator_limited;
   }
-  // The gear that somebody holds, and the parking brake, decide whether it may travel that way.
+  // A gear request in force and the parking brake decide whether it may travel that way.
   const bool held = in_force(VehicleRequest::gearbox);
   const double speed_mps = *next.travel_speed_mps;
   next.automatic_gear = !held;

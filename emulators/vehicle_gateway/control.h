@@ -12,10 +12,10 @@
 // the last of them     the machine stops, unless it was TC1 or an implement's alone
 //
 // A machine that stops by itself idles, has travel speed 0 and its service brake at
-// stop_brake_share; when it has stood for park_delay, the parking brake is on and the gear neutral,
-// until somebody asks otherwise. A source that ends properly (TSC1 and XBR "disabled", guidance
-// "not intended", speed command with neither speed nor direction) is no longer in force and no
-// fault. A request whose value is not available or in error does not count as one.
+// stop_brake_share; when it has been at rest for park_delay, the parking brake is on and the gear
+// neutral until a request says otherwise. A source that ends properly (TSC1 and XBR "disabled",
+// guidance "not intended", speed command with neither speed nor direction) is no longer in force
+// and no fault. A request whose value is not available or in error does not count as one.
 //
 // While the speed command is in force the machine's own controller has engine and brake, and the
 // gear, too, unless TC1 is in force: then that gear stays. TSC1 can only limit the engine. A gear
@@ -70,8 +70,8 @@ class VehicleControl {
   /// The supply ends: what is held by springs engages.
   void lose_supply(SimTime now);
 
-  /// The supply fails: nobody is in force, the engine idles, steering stays where it is, and what
-  /// is held by springs engages. So it is when the supply comes back.
+  /// The supply fails: no request is in force, the engine idles, steering stays where it is, and
+  /// what is held by springs engages. It is the same when the supply comes back.
   void fail(SimTime now);
 
   /// The machine's speed at `now`, for parking after a stop; NaN when it is not known. `drives`:

@@ -24,7 +24,7 @@
 namespace rigwire::emulators {
 
 /// What becomes of the supply when the key is switched off (ISO 11783-7, maintain power; ISO
-/// 11783-9 as far as isobus.net tells it).
+/// 11783-9 as far as isobus.net describes it).
 ///
 /// The key goes off once, at key_off from the start of the run; 0: never. From then on power stays
 /// for kLeast, and for kLeast more after each request of an implement ("maintain power" that
@@ -110,7 +110,7 @@ class VehicleReport {
   void put(const Message& message, std::uint8_t source) {
     frames_[frame_count_++] = protocols::vehicle::encode(message, source);
   }
-  /// The group that is asked for, by whom it is sent, and what it tells of.
+  /// The requested group, its source address, and its content.
   struct Wanted {
     SimTime now;
     std::uint32_t pgn;

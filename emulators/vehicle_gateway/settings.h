@@ -1,4 +1,4 @@
-// What the vehicle gateway is told about its node, its machine and its patience.
+// Settings of the vehicle gateway: its node, its machine and its time-outs.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ enum class SteeringLayout : std::uint8_t {
 enum class DisplayUnits : std::uint8_t { metric, imperial, us };
 
 /// How long a command stays in force without being repeated. Figures of this project, each some
-/// periods of its message: the standards that were at hand do not give them.
+/// periods of its message: the available standards do not give them.
 struct VehicleTimeouts {
   Duration engine = std::chrono::milliseconds{100};     ///< TSC1, every 10 ms.
   Duration gearbox = std::chrono::milliseconds{500};    ///< TC1, every 50 ms.
@@ -49,7 +49,7 @@ struct VehicleGatewaySettings {
   IdentificationSettings identification{.model = "vehicle gateway",
                                         .type = "tractor ECU",
                                         .vehicle_identification_number = "RGWRE0SM000000001"};
-  // What it tells displays until one tells it otherwise.
+  // Sent to displays until one of them sends its own.
   std::string language = "en";  ///< ISO 639.
   std::string country = "DE";   ///< ISO 3166.
   DisplayUnits units = DisplayUnits::metric;
@@ -79,11 +79,11 @@ struct VehicleGatewaySettings {
   double maximum_spreader_rate_kgpm2 = 20.0;
   // Timeouts.
   VehicleTimeouts timeouts;
-  /// Losing guidance while it steers stops the machine too: nobody is aboard to take over.
+  /// Losing guidance while it steers stops the machine too: no operator is aboard to take over.
   bool stop_without_guidance = true;
   double stop_brake_share = 0.4;       ///< Estimate. Applied when the machine stops by itself.
-  double standstill_speed_mps = 0.05;  ///< Below it the machine stands.
-  Duration park_delay = std::chrono::milliseconds{500};  ///< Standing for this long: parked.
+  double standstill_speed_mps = 0.05;  ///< Below it the machine is at rest.
+  Duration park_delay = std::chrono::milliseconds{500};  ///< At rest for this long: parked.
 };
 
 void visit(fields::Visitor& v, VehicleGatewaySettings& p);

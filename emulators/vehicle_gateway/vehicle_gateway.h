@@ -1,5 +1,5 @@
 // The vehicle gateway: the one J1939 node through which a field controller drives a wheeled machine
-// or a roller and hears what its sensors read.
+// or a roller and receives what its sensors read.
 //
 // No maker's device, but what such a node speaks: the messages of SAE J1939-71 and ISO 11783-7 for
 // engine, gearbox, brakes, wheels, steering and tyres, and one proprietary message each way

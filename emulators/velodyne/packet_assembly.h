@@ -2,8 +2,8 @@
 // to which block.
 //
 // With two returns per shot, where the strongest return is also the last, the second strongest
-// stands for it; where there was but one, both blocks say the same: equal bytes, which clients take
-// as "both". "The same" is told by the distances as sent. A shot without a return has distance 0,
+// takes its block; where there was only one, both blocks have equal bytes, which clients take as
+// "both". Returns are compared by their distances as sent. A shot without a return has distance 0,
 // and a reflectivity byte of the laser's own.
 //
 // Sources: as packet_layout.h.

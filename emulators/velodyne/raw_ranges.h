@@ -6,7 +6,7 @@
 // bank's. Error against raw_counts(): 0.01 counts beyond 2 m from the axes' crossings, where the
 // sign of a coordinate of centimetres may be guessed wrongly: 0.05 counts.
 //
-// Constants stand in columns, by laser, so that loops over a bank run in vector registers.
+// Constants are stored in columns, by laser, so that loops over a bank run in vector registers.
 #pragma once
 
 #include <array>
@@ -37,7 +37,7 @@ class RawRanges {
       Column per_m;  ///< This and the next with the slope's sign.
       Column at;
       Column turn;  ///< share * slope * per_m for a correction that grows with the coordinate.
-      Column lean;  ///< slope * at, likewise.
+      Column lean;  ///< slope * at, for such a correction.
     };
     std::size_t first_laser;
     Axis x;
@@ -47,7 +47,8 @@ class RawRanges {
   void aim(double rotor_azimuth_rad, double rotor_rate_radps, std::size_t first_laser,
            Beams& beams) const;
 
-  /// Laser i of the bank. Not rounded; below 1: nearer than the laser can tell.
+  /// Returns the distance of laser i of the bank in counts, not rounded; below 1: nearer than the
+  /// laser can report.
   [[nodiscard]] double counts(const Beams& beams, std::size_t i, double range_m) const {
     const std::size_t n = beams.first_laser + i;
     // The corrections follow the magnitudes of the coordinates.

@@ -30,9 +30,9 @@ class ReturnEncoder {
                 VelodyneReflectivity scale,
                 const std::optional<protocols::velodyne::Hdl64eCalibration>& calibration = {});
 
-  /// Nothing for what is nearer or farther than the window, or not a number. Distance to the
-  /// nearest count (and at most 0.004 beside, for the float), at least 1. Each of `echoes`, which
-  /// are those of `bank` that are wanted, goes to the same place of `encoded`.
+  /// Encodes each of `echoes`, the wanted returns of `bank`, into the element of `encoded` with the
+  /// same index: 0 for what is nearer or farther than the window, or NaN; otherwise the distance to
+  /// the nearest count (off by at most 0.004 through float arithmetic), at least 1.
   void encode(const LidarFiring& bank, std::span<const BankReturns* const> echoes,
               std::span<EncodedReturns> encoded) const;
 

@@ -57,7 +57,7 @@ class TimeInput {
   }
   /// The last one came within 2.5 s.
   [[nodiscard]] bool sentences_arrive(SimTime now) const;
-  /// The pulse that was heard last; nothing while the input is absent.
+  /// The last pulse that was received; nothing while the input is absent.
   [[nodiscard]] std::optional<SimTime> last_pulse(SimTime now) const;
   /// "49 30.0000N 007 45.0000E" in the form of the sentence; empty without a fix.
   [[nodiscard]] std::string position() const;

@@ -1,5 +1,5 @@
-// What can be set on a running sensor and what it tells of itself: the face of the device towards
-// its web interface (emulators/velodyne/web_interface.h).
+// What can be set on a running sensor and what it reports of itself: the interface of the device
+// for its web interface (emulators/velodyne/web_interface.h).
 //
 // Sources: VLP-16 user's manual 63-9243 Rev. D, chapter 10 "Sensor communication" and appendix E;
 // JSON members and their types as recorded from real sensors (docs/devices/velodyne-web.md).

@@ -55,7 +55,7 @@ double along(const Vector3& axis, const Vector3& v) {
 }
 
 /// The sample is expressed in the sensor's frame. Readings stop at 200 deg/s and 2.5 g, the span of
-/// the manual (63-9113 Rev. H, "Position packet"); what is not a number reads 0.
+/// the manual (63-9113 Rev. H, "Position packet"); NaN reads 0.
 InertialWords inertial_words(
     const ImuSample& sample,
     const std::array<VelodyneInertialAxes, velodyne::kInertialGroups>& axes) {

@@ -46,7 +46,7 @@ void check(const char* member, Number value, Number least, Number most) {
   }
 }
 
-/// The greatest distance that the 16 bits of a return can say.
+/// Returns the maximum distance that the 16 bits of a return can hold.
 double farthest_m(const velodyne::Model& model) {
   return 65535.0 * model.distance_unit_mm / 1000.0;
 }

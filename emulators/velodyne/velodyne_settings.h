@@ -1,5 +1,5 @@
-// Settings of an emulated Velodyne lidar: what it is, what it was last told to keep, what it hears
-// the time from, and what is wrong with it.
+// Settings of an emulated Velodyne lidar: what it is, the settings that it keeps, its time source,
+// and its faults.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ namespace rigwire::emulators {
 enum class VelodyneTimeSource : std::uint8_t {
   none,        ///< Nothing: the counter runs from power-up.
   pulse_only,  ///< A pulse per second, but no sentence.
-  receiver,    ///< The rig's satellite receiver, as told by observe_fix().
+  receiver,    ///< The rig's satellite receiver, as given to observe_fix().
   ideal,       ///< Warm: locked from power-up on, sentences with the fix that is known.
 };
 
@@ -130,8 +130,9 @@ void validate(const VelodyneSettings& settings);
 /// Whether a device with these settings can have it. Throws std::invalid_argument.
 void check_fault(const VelodyneFault& fault, const VelodyneSettings& settings);
 
-/// What of the settings can be told to a running sensor: the rows change `live`, for
-/// VelodyneControl::apply(). Of the position packets' port only where the model sends such.
+/// Settings that can be changed on a running sensor: the rows change `live`, for
+/// VelodyneControl::apply(). The position packets' port is among them only if the model sends such
+/// packets.
 using VelodyneLiveRow = LiveSetting<VelodyneLiveSettings, VelodyneSettings>;
 [[nodiscard]] std::span<const VelodyneLiveRow> velodyne_live_settings(
     const protocols::velodyne::Model& model);

@@ -183,7 +183,7 @@ std::string status_document(const VelodyneLiveSettings& s, const VelodyneReading
 }
 
 std::string diagnostics_document(const VelodyneReadings& r, bool arrays) {
-  // Supplies that nothing in the simulation moves stand at a healthy value.
+  // Supplies that nothing in the simulation changes have a healthy value.
   constexpr double kHighVoltage_v = -141.0;
   Object top;
   top.number("hv", counts(5.0 + kHighVoltage_v / 101.0))

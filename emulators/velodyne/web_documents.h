@@ -13,14 +13,14 @@ namespace rigwire::emulators {
 [[nodiscard]] std::string settings_document(const VelodyneLiveSettings& settings);
 [[nodiscard]] std::string status_document(const VelodyneLiveSettings& settings,
                                           const VelodyneReadings& readings);
-/// `arrays`: as sensors of 32 and more lasers, which tell noise figures by channel.
+/// `arrays`: as sensors of 32 and more lasers, which report noise figures by channel.
 [[nodiscard]] std::string diagnostics_document(const VelodyneReadings& readings, bool arrays);
 [[nodiscard]] std::string info_document(const VelodyneControl& control);
 /// All four, under "info", "config", "status" and "diag".
 [[nodiscard]] std::string snapshot_document(SimTime now, const VelodyneControl& control);
 
-/// The page at "/", for somebody who wants to look and to try, with the settings as forms. The
-/// words are ours; only the requests that the forms send are the sensor's.
+/// The page at "/", for use in a browser, with the settings as forms. The words are this project's;
+/// only the requests that the forms send are the sensor's.
 [[nodiscard]] std::string control_page(SimTime now, const VelodyneControl& control);
 
 /// Whether that sensor's diagnostics have arrays.

@@ -5,7 +5,7 @@
 //   POST  /cgi/setting            laser=on|off, returns=Strongest|Last|Dual, rpm=0|300..1200
 //   POST  /cgi/setting/fov        start=, end=: 0..359 degrees
 //   POST  /cgi/setting/host       addr=, dport=, tport=: where the packets go
-//   POST  /cgi/setting/net        addr=, mask=, gateway=, dhcp=on|off: kept and told
+//   POST  /cgi/setting/net        addr=, mask=, gateway=, dhcp=on|off: kept and reported
 //   POST  /cgi/setting/phaselock  enabled=on|off, offset=0..35999 hundredths of a degree
 //   POST  /cgi/save               data=submit: the settings outlive a reset
 //   POST  /cgi/reset              data=reset_system
@@ -15,7 +15,8 @@
 // and phase lock misbehave).
 //
 // Sources: VLP-16 user's manual 63-9243 Rev. D, section 10.2; requests of clients and documents of
-// sensors named in docs/devices/velodyne-web.md, with what is not known of the real answers.
+// sensors named in docs/devices/velodyne-web.md, which also lists what is not known of the real
+// answers.
 #pragma once
 
 #include <functional>

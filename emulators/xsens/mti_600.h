@@ -10,9 +10,9 @@
 //
 // A sample outside the elements' range is clamped and marked in the status word. A sample that is
 // not finite is a failed self-test: the status word says so, and no measured values are sent. The
-// unit is configured over its serial line, which is not there; it hears nothing on the bus, and so
-// cannot refuse anything. One that is slow sends a share of each message; increments are then over
-// the longer time.
+// unit is configured over its serial line, which is not there; it receives nothing on the bus, and
+// so cannot refuse anything. One that is slow sends a share of each message; increments are then
+// over the longer time.
 #pragma once
 
 #include <array>

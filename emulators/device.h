@@ -38,8 +38,8 @@ struct ReceiveCounters {
 struct Quantity {
   std::string_view name;    ///< Field term, for example "latitude".
   std::string_view unit;    ///< SI or accepted unit, for example "deg".
-  double lower = 0.0;       ///< Least value that the format can carry.
-  double upper = 0.0;       ///< Greatest value that the format can carry.
+  double lower = 0.0;       ///< Minimum value that the format can carry.
+  double upper = 0.0;       ///< Maximum value that the format can carry.
   double resolution = 0.0;  ///< One count.
 };
 
@@ -58,12 +58,12 @@ struct Quantity {
   return quantity;
 }
 
-/// What a client asked of a device last, for people who look on: when, and the bytes by which its
-/// protocol names the request.
+/// The latest client request to a device, for viewers: when it came, and the bytes by which its
+/// protocol identifies it.
 struct LastRequest {
   static constexpr std::size_t kHeadBytes = 16;
 
-  SimTime at = kNever;  ///< kNever: nobody has asked yet.
+  SimTime at = kNever;  ///< kNever: no request yet.
   std::array<std::uint8_t, kHeadBytes> head{};
   std::size_t size = 0;  ///< Bytes of `head`; what is longer is cut off.
 
@@ -142,7 +142,7 @@ class StreamOutput {
 
 /// The far end of a serial line as the device's line sees it.
 struct SerialClient {
-  bool present = false;    ///< Somebody has the line open.
+  bool present = false;    ///< A client has the line open.
   std::uint32_t baud = 0;  ///< The speed that the client's end is set to, bit/s; 0 = not known.
 
   friend bool operator==(const SerialClient&, const SerialClient&) = default;
@@ -151,8 +151,8 @@ struct SerialClient {
 /// A device on a serial line.
 class SerialDevice : public Device {
  public:
-  /// The client's end changed at `now`. A device whose speed differs from a known client's is heard
-  /// as garbage and hears garbage, as on a real line.
+  /// The client's end changed at `now`. While its speed is known and differs from the device's,
+  /// both ends receive garbage, as on a real line.
   virtual void set_client(SimTime /*now*/, const SerialClient& /*client*/) {}
   /// Bytes from the client, in arrival order, at `now`.
   virtual void receive(SimTime now, std::span<const std::uint8_t> bytes) = 0;

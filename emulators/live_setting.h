@@ -1,9 +1,9 @@
-// What can be told to a device while it runs: keys of its settings that its own configuration
-// software changes over the wire, told by the same way in the device.
+// Settings of a device that can be changed at run time: the keys that its own configuration
+// software changes over the wire. The same code in the device applies them.
 //
-// The message that would bring it is not on the wire, and so is no answer: it is as if it had come
-// by another port of the device. What follows from it is what would follow there, and what the
-// device keeps when its supply goes is what it would keep.
+// No message and no answer appear on the wire: the change acts as if its message had come by
+// another port of the device, with the same consequences. What the device would keep without supply
+// it keeps here, too.
 #pragma once
 
 #include <string_view>

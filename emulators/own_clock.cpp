@@ -48,7 +48,7 @@ SimTime OwnClock::own_time(SimTime run) const {
   if (run <= start_ || run == kNever) {
     return run;
   }
-  // The greatest x with floor(x * run_period / own_period) <= run.
+  // The largest x with floor(x * run_period / own_period) <= run.
   const std::int64_t since = (run - start_).count();
   const std::int64_t periods = since / run_period_.count();
   const std::int64_t rest = since % run_period_.count();

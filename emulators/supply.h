@@ -27,8 +27,8 @@ struct SupplySettings {
   std::vector<SupplyFault> faults;
 };
 
-/// Its keys but the faults, which stand in a list with others of the device; to be called within
-/// the device's visit().
+/// Visits the keys except the faults, which are in one list with others of the device; to be called
+/// within the device's visit().
 void visit(fields::Visitor& v, SupplySettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const SupplySettings& settings);

@@ -104,8 +104,8 @@ std::uint16_t checksum(const Frame& frame) {
 }
 
 unsigned exact_bits(const Frame& frame) {
-  // Whole bytes: in front of the start of frame stand alternating bits that end with a recessive
-  // one. They need no stuff bits, and the start of frame begins a run of its own behind them.
+  // Pads to whole bytes: alternating bits before the start of frame that end with a recessive one.
+  // They need no stuff bits, and the start of frame begins a run of its own after them.
   const Head head = head_of(frame);
   const unsigned bytes = data_bytes(frame);
   const unsigned padding = (8U - (head.width + kCrcBits) % 8U) % 8U;

@@ -1,4 +1,4 @@
-// What a CAN controller tells its host besides frames: errors that it saw, and its state.
+// What a CAN controller reports to its host besides frames: errors that it saw, and its state.
 //
 // Source: ISO 11898-1:2015, 10.4.4 and 10.11 (error signalling), 12.1.4 (fault confinement).
 #pragma once

@@ -30,7 +30,7 @@ struct BasicMessage {
   std::uint16_t length = 8;     ///< Bytes; more than eight go by a transport.
   std::uint8_t fill = 0;        ///< Value of bits that no signal uses.
   std::uint32_t period_ms = 0;  ///< 0: on request or on change, or not known.
-  typename Keep::Text sender;   ///< The device's name; empty: whoever controls it.
+  typename Keep::Text sender;   ///< Name of a device; empty: the controlling device.
   typename Keep::Text text;     ///< What it is; source.
   typename Keep::template List<BasicSignal<Keep>> signals;
 };

@@ -6,16 +6,16 @@
 // general knowledge.
 //
 // Bits are counted as a DBC file counts them: byte k has bits 8 k (least significant) .. 8 k + 7. A
-// little-endian ("Intel") signal is told by its least significant bit and grows upward; a
-// big-endian
-// ("Motorola") one by its most significant bit and grows downward within a byte, then into the
-// upper end of the next byte. A 16-bit big-endian number in the bytes 0 and 1 begins at bit 7.
+// little-endian ("Intel") signal is identified by its least significant bit and grows upward; a
+// big-endian ("Motorola") one by its most significant bit and grows downward within a byte, then
+// into the upper end of the next byte. A 16-bit big-endian number in the bytes 0 and 1 begins at
+// bit 7.
 //
 // Physical value = raw * scale + offset. The rounding error of put then get is at most half a
 // count, and beyond 53 bits that of a double. A sender never sends beyond `lower` .. `upper`, and
-// never wraps: what is too great becomes the greatest raw value that is a number.
+// never wraps: a value that is too large becomes the maximum raw value that is a number.
 //
-// Reserved::j1939 takes the greatest raw values of each width away from the numbers:
+// Reserved::j1939 excludes the highest raw values of each width from the numbers:
 //
 //   width          valid              indicator            error            not available
 //   2 bit          0..1               -                    2                3
@@ -53,8 +53,8 @@ struct Coding {
   Reserved reserved = Reserved::none;
   double scale = 1.0;   ///< Per count; negative where the wire has the other sign.
   double offset = 0.0;  ///< Physical value of raw 0.
-  double lower = 0.0;   ///< Least physical value that is sent.
-  double upper = 0.0;   ///< Greatest.
+  double lower = 0.0;   ///< Minimum physical value that is sent.
+  double upper = 0.0;   ///< Maximum.
 };
 
 enum class Availability : std::uint8_t { valid, indicator, error, not_available };
@@ -85,7 +85,7 @@ struct Reading {
 [[nodiscard]] constexpr unsigned width_of_patterns(unsigned width) {
   return width < 2 ? 2 : width > 64 ? 64 : width;
 }
-/// The greatest raw value that is a measurement.
+/// The maximum raw value that is a measurement.
 [[nodiscard]] constexpr std::uint64_t greatest_valid(unsigned width) {
   if (width == 10) {
     return 1000;
@@ -93,7 +93,7 @@ struct Reading {
   const unsigned bits = width_of_patterns(width);
   return bits < 8 ? greatest_raw(bits) - 2U : (std::uint64_t{0xFB} << (bits - 8U)) - 1U;
 }
-/// The raw value sent for an error; the greatest of the error values.
+/// The raw value sent for an error; the highest of the error values.
 [[nodiscard]] constexpr std::uint64_t error_value(unsigned width) {
   const unsigned bits = width_of_patterns(width);
   return greatest_raw(bits) -
@@ -185,16 +185,17 @@ template <class Row>
 /// available and an infinity an error; else NaN counts as 0 and an infinity as the limit. A
 /// floating-point signal carries both, infinities as far as its limits are infinite.
 [[nodiscard]] std::uint64_t to_raw(const Coding& signal, double physical);
-/// Bits beyond the width are not looked at. A floating-point signal that is NaN is not available,
-/// an infinite one an error.
+/// Ignores bits beyond the width. A floating-point signal that is NaN is not available, an infinite
+/// one an error.
 [[nodiscard]] Reading from_raw(const Coding& signal, std::uint64_t raw);
 
-/// Raw access to a message's bits; bits of `raw` beyond the width are not looked at. Where the
-/// signal does not lie within `data`, nothing is written, and 0 is read.
+/// Raw access to a message's bits; ignores bits of `raw` beyond the width. Where the signal does
+/// not lie within `data`, nothing is written, and 0 is read.
 void put_raw(const Coding& signal, std::span<std::uint8_t> data, std::uint64_t raw);
 [[nodiscard]] std::uint64_t get_raw(const Coding& signal, std::span<const std::uint8_t> data);
 
-/// to_raw and put_raw in one; but NaN leaves the bits as they are where nothing stands for it.
+/// Combines to_raw and put_raw, but NaN leaves the bits as they are if the signal cannot express
+/// it.
 void put(const Coding& signal, std::span<std::uint8_t> data, double physical);
 /// Not available when the message is too short to hold the signal, as J1939-21 has it for short
 /// messages; never reads past the end.
@@ -239,8 +240,8 @@ struct BasicSignal : Coding {
   /// reversed. Empty: the same unit.
   typename Keep::Text document_unit;
   double document_size = 1.0;
-  /// Index in the message of the signal whose raw value tells whether this one is present, and the
-  /// raw values at which it is.
+  /// Index in the message of the signal whose raw value decides whether this one is present, and
+  /// the raw values at which it is.
   std::uint16_t multiplexor = kNoMultiplexor;
   typename Keep::template List<RawRange> present_at;
 };

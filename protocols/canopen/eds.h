@@ -1,8 +1,8 @@
 // The electronic data sheet of a node: its object dictionary as a file that a master's tools load.
 //
-// Source: CiA 306-1 V1.3.0, 6 (sections and keys), 7 (objects). Lines end with CR LF. Written are
-// all rows of the table; limits where they are narrower than the type. What is not constant of the
-// file itself comes from the caller, so that the same device gives the same file.
+// Source: CiA 306-1 V1.3.0, 6 (sections and keys), 7 (objects). Lines end with CR LF. The file has
+// all rows of the table, and limits where they are narrower than the type. The caller gives what is
+// not constant of the file itself, so that the same device gives the same file.
 #pragma once
 
 #include <cstdint>

@@ -24,7 +24,7 @@ inline constexpr ObjectAddress kFilterStep{0x2043, 0};
 inline constexpr ObjectAddress kSlopeResolution{0x6000, 0};
 }  // namespace object
 
-/// What 2040 may be: which angles are told apart.
+/// Values of object 2040: which angles are distinguished.
 struct QuadrantCorrection {
   static constexpr std::int64_t kOff = 0;       ///< -90 .. 90 deg.
   static constexpr std::int64_t kHalfTurn = 1;  ///< -180 .. 180 deg.

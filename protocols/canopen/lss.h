@@ -27,8 +27,8 @@ enum class LssCommand : std::uint8_t {
   select_vendor = 0x40,  ///< Then product, revision and serial number, to 0x43.
   select_serial = 0x43,
   selected = 0x44,              ///< Answer.
-  identify_vendor = 0x46,       ///< Then product, least and greatest revision,
-  identify_last_serial = 0x4B,  ///< least and greatest serial number.
+  identify_vendor = 0x46,       ///< Then product, min and max revision,
+  identify_last_serial = 0x4B,  ///< min and max serial number.
   identify_unconfigured = 0x4C,
   identified = 0x4F,               ///< Answer.
   unconfigured_identified = 0x50,  ///< Answer.

@@ -28,7 +28,7 @@ enum class Access : std::uint8_t { constant, read_only, read_write };
 
 /// Marks of an entry.
 struct EntryFlag {
-  static constexpr std::uint8_t kMappable = 1;   ///< May stand in a transmit PDO.
+  static constexpr std::uint8_t kMappable = 1;   ///< May be mapped to a transmit PDO.
   static constexpr std::uint8_t kAddNodeId = 2;  ///< The default is `initial` + node-ID.
   static constexpr std::uint8_t kStored = 4;     ///< "Save" writes it down.
 };

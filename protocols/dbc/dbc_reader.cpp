@@ -276,7 +276,7 @@ class Parser {
     }
     return utf8(take().text);
   }
-  /// The greatest there is for what is greater: ends of a range may be.
+  /// A number beyond the range of double becomes the largest double: ends of a range may be that.
   double number() {
     const Token at = token_;
     if (at.kind == Token::Kind::number) {
@@ -307,8 +307,8 @@ class Parser {
   }
   std::uint32_t identifier() { return static_cast<std::uint32_t>(whole(0xFFFFFFFFU)); }
 
-  /// To the next statement, past the semicolon of this one where it has one. Keywords of statements
-  /// stand within some, but not at the begin of a line; `open`: not in this one.
+  /// Skips to the next statement, past the semicolon of this one if it has one. Some statements
+  /// contain keywords of statements, but not at the beginning of a line; `open`: this one does not.
   void skip(bool open) {
     while (token_.kind != Token::Kind::end && !at_mark(';') &&
            !(is_statement(token_) && (open || token_.first_on_line))) {
@@ -746,7 +746,7 @@ class Parser {
     }
   }
 
-  /// Names of more than 32 characters stand in an attribute.
+  /// Names of more than 32 characters are in an attribute.
   void take_long_names(can::OwnedMessage& layout, std::uint32_t id) const {
     const auto take_name = [&](const char* attribute, const Owner& owner, std::string& name) {
       if (const auto given = given_.find({attribute, owner}); given != given_.end()) {

@@ -1,4 +1,4 @@
-// A bus as somebody else's DBC file describes it.
+// A bus as a DBC file describes it.
 //
 // Format: Vector DBC File Format Documentation 1.0.5. Read are nodes (BU_), messages and signals
 // (BO_, SG_), multiplexing (SG_, SG_MUL_VAL_), further senders (BO_TX_BU_), floating-point
@@ -7,7 +7,7 @@
 //
 //   GenMsgCycleTime       ms from frame to frame
 //   GenMsgSendType        name of how it is sent: "Cyclic", "OnChange", ...
-//   GenMsgDelayTime       ms that lie between two frames at least
+//   GenMsgDelayTime       minimum ms between two frames
 //   GenMsgStartDelayTime  ms from power-up to the first frame
 //   GenSigStartValue      raw value before the first measurement
 //   VFrameFormat          "J1939PG": the identifier is priority, parameter group and source
@@ -81,10 +81,10 @@ struct SendType {
 /// Returns the meaning of a name of GenMsgSendType, of any maker's, in any case of letters.
 [[nodiscard]] SendType send_type(std::string_view word);
 
-/// What keeps a message from being sent and taken with these of its signals and its multiplexor:
-/// more bytes than its kind of frame has, signals outside it, wider than a number, of one name, on
-/// each other, there by a signal that is not there. Files that are in use have all of that
-/// in messages that nobody looks at. By line.
+/// Returns what keeps a message from being sent and taken with these of its signals and its
+/// multiplexor: more bytes than its kind of frame has, signals that are outside it, wider than a
+/// number, of the same name, overlapping, or multiplexed by a signal that does not exist. Files in
+/// use have all of these, in messages that are not used. Sorted by line.
 [[nodiscard]] std::vector<Finding> faults_of(const FileMessage& message,
                                              std::span<const std::string_view> used);
 

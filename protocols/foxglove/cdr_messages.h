@@ -15,8 +15,8 @@
 //                what the picture was made of: block u64, sent_width u32, sent_height u32, remark;
 //                data u8[]
 //
-// Data stands last in both, whatever the place that the published definition gives it: readers go
-// by the definition that a channel brings along.
+// Data comes last in both, wherever the published definition has it: readers use the definition
+// that a channel brings along.
 #pragma once
 
 #include <array>

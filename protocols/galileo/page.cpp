@@ -262,7 +262,8 @@ Decoded<gps::Ephemeris> decode_ephemeris(const std::array<Word, 5>& words) {
   e.issue_of_clock = heads[0].issue;
   e.issue_of_ephemeris = static_cast<std::uint8_t>(heads[0].issue);
   e.week = heads[4].week + kFirstWeek;
-  // The word's week is that of its page; half a week tells that of the orbit's time.
+  // The word's week is that of its page; the orbit's time is in another one if it is more than half
+  // a week away.
   const double ahead_s = e.ephemeris_time_s - heads[4].second;
   constexpr double kHalfWeek_s = gps::kWeekSeconds / 2.0;
   e.week += ahead_s > kHalfWeek_s ? -1 : ahead_s < -kHalfWeek_s ? 1 : 0;

@@ -83,7 +83,7 @@ using FeatureKind = std::variant<IntegerFeature, FloatFeature, EnumerationFeatur
 
 struct Feature {
   std::string_view name;
-  std::string_view category;  ///< Empty: it stands in no list.
+  std::string_view category;  ///< Empty: it is in no list.
   Visibility visibility = Visibility::beginner;
   std::string_view text;  ///< One sentence.
   FeatureKind kind;
@@ -105,7 +105,7 @@ struct DescriptionIdentity {
 [[nodiscard]] std::string write_description(const DescriptionIdentity& identity,
                                             std::span<const Feature> features);
 
-/// What stands in the URL register for a description of `size` bytes at `address`:
+/// Returns the content of the URL register for a description of `size` bytes at `address`:
 /// "Local:camera.xml;10000;8A40".
 [[nodiscard]] std::string local_url(std::string_view file, std::uint32_t address, std::size_t size);
 

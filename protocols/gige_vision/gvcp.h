@@ -157,8 +157,8 @@ struct CommandPacket {
 /// request 0, which the protocol reserves.
 [[nodiscard]] Decoded<CommandPacket> decode_command(std::span<const std::uint8_t> datagram);
 
-/// The header of a datagram that decode_command() does not take, without payload: enough to refuse
-/// it. Nothing where it cannot even be told that it is a command.
+/// Returns the header of a datagram that decode_command() does not take, without payload: enough to
+/// refuse it. Empty where it is not recognisable as a command.
 [[nodiscard]] std::optional<CommandPacket> peek_header(std::span<const std::uint8_t> datagram);
 
 /// The command, or how a device has to refuse it: not_implemented (code), invalid_header (a length

@@ -102,7 +102,7 @@ static_assert(kShortHeaderSize == 8 && kExtendedHeaderSize == 20 && kImageLeader
 }
 
 /// Bytes of the picture in each packet of a stream whose packets have `packet_size` bytes with IP
-/// and UDP headers. Precondition: there is room for one at least.
+/// and UDP headers. Precondition: there is room for at least one.
 [[nodiscard]] constexpr std::size_t payload_room(std::size_t packet_size, bool extended_ids,
                                                  bool multipart) {
   const std::size_t headers =

@@ -3,7 +3,7 @@
 // how many bits a pixel takes, bits 0 .. 15 which format it is.
 //
 // Unpacked formats of more than 8 bits take two bytes, the least significant first unless the
-// stream channel is told otherwise.
+// stream channel is set otherwise.
 #pragma once
 
 #include <array>

@@ -116,9 +116,9 @@ bool bit(const String& string, unsigned number) {
   return (string[at / 32] >> (31U - at % 32) & 1U) != 0;
 }
 
-/// The seven check bits and, in the eighth, the parity of everything but it. Bit 9, 10 .. 85 stand
-/// at the places 3, 5, 6, 7, 9 .. 84 of a Hamming code, those that are no powers of two; check bit
-/// i covers the places whose number has bit i.
+/// Returns the seven check bits and, in the eighth, the parity of everything but it. Bits 9, 10 ..
+/// 85 are at the places 3, 5, 6, 7, 9 .. 84 of a Hamming code, those that are no powers of two;
+/// check bit i covers the places whose number has bit i.
 std::uint32_t checks(const String& string) {
   std::uint32_t sum = 0;
   std::uint32_t ones = 0;

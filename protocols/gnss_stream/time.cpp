@@ -113,7 +113,7 @@ std::optional<MessageTime> time_of_raw(std::span<const std::uint8_t> payload) {
   return time;
 }
 
-/// The part of a message that tells UTC, where it says that it knows it.
+/// Adds the UTC of a message, where the message says that it knows it.
 template <class Message>
 void add_utc(const Message& message, bool date_known, bool time_known, MessageTime& time) {
   if (!time_known || message.hour > 23 || message.minute > 59 || message.second > 60) {

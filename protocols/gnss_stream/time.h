@@ -1,7 +1,7 @@
 // The time in the messages of a satellite receiver's log, NMEA and UBX together.
 //
 // NMEA counts the time of day in UTC, UBX the time of week in GPS time, which is ahead of UTC by
-// the leap seconds; some messages tell the date. StreamClock puts all of them on one axis that
+// the leap seconds; some messages give the date. StreamClock puts all of them on one axis that
 // never turns over: the end of a day, of a week and a leap second are as long as they are.
 //
 // Sources: NMEA 0183 sentences as u-blox UBX-13003221 R28 section 31 lists them; UBX as its section
@@ -18,14 +18,14 @@
 
 namespace rigwire::protocols::gnss_stream {
 
-/// The time that a message tells of its epoch; at least one of the first two.
+/// The time that a message gives for its epoch; at least one of the first two.
 struct MessageTime {
   std::optional<std::int64_t> of_day_ns;   ///< UTC; from 86 400 s on within a leap second.
   std::optional<std::int64_t> of_week_ns;  ///< GPS time.
   std::optional<std::int64_t> day;         ///< UTC, days since 1970-01-01.
   std::optional<int> leap_seconds;         ///< GPS time minus UTC.
   bool doubtful = false;                   ///< The message says that its receiver has no fix.
-  std::string_view by;                     ///< Name of the message, where it tells a date.
+  std::string_view by;                     ///< Name of the message, where it gives a date.
 };
 
 /// Returns the time in GGA, RMC, GLL, GNS, GBS, GST, GRS, ZDA and PUBX,00 and 04; nothing where the
@@ -38,12 +38,12 @@ struct MessageTime {
 /// Returns GPS time minus UTC on a day, days since 1970-01-01; that of 1999 before it.
 [[nodiscard]] int leap_seconds_on(std::int64_t day);
 
-/// Finds GPS time minus UTC for a stream: as a message tells it, by a date in it, or by the
+/// Finds GPS time minus UTC for a stream: as a message gives it, from a date in it, or from the
 /// difference between neighbours that count differently.
 class LeapSeconds {
  public:
   void take(const MessageTime& time);
-  /// Returns 18, that of 2017 and later, where nothing in the stream tells.
+  /// Returns 18, that of 2017 and later, where nothing in the stream gives it.
   [[nodiscard]] int value() const;
 
  private:

@@ -15,7 +15,7 @@ constexpr double kEarthGravity_m3ps2 = 3.986005e14;
 constexpr double kEarthRate_radps = 7.2921151467e-5;
 constexpr std::int32_t kWeekModulus = 256;
 
-// Clock first: af0 is split around af1 and stands apart.
+// Clock first: af0 is split around af1 and kept apart.
 constexpr Scale kClockBias{11, true, -20, false};
 constexpr BitRange kClockBiasHigh{10, 1, 8};
 constexpr BitRange kClockBiasLow{10, 20, 3};

@@ -40,7 +40,7 @@ void put_almanac(SubframeData& data, const Almanac& almanac);
 
 [[nodiscard]] Almanac quantised(const Almanac& almanac);
 
-/// A page with satellite id 1..32; `week` is the almanac's, which the page does not tell.
+/// A page with satellite id 1..32; `week` is the almanac's, which the page does not carry.
 /// Malformed for another id (offset 2, counted in words).
 [[nodiscard]] Decoded<Almanac> decode_almanac(const SubframeData& data, std::int32_t week);
 

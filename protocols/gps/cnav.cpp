@@ -169,7 +169,7 @@ std::size_t index_of(std::uint32_t second) {
   return second / static_cast<std::uint32_t>(kCnavSeconds);
 }
 
-/// The first, from 0, of the four satellites whose almanacs stand in the message of that second.
+/// The first, from 0, of the four satellites whose almanacs are in the message of that second.
 std::size_t first_almanac(std::uint32_t second) {
   const std::size_t frame = index_of(second) / kOfFrame;
   const std::size_t cycle = frame / kFourth.size();

@@ -6,9 +6,9 @@
 // Source: IS-GPS-200 sections 30.3.2 (structure), 30.3.3 (figures 30-1 to 30-6, tables 30-I to
 // 30-VIII: content), 30.3.4 (broadcast intervals), 30.3.5 (CRC-24Q over the 276 bits before it).
 // Figures of orbit and clock are those of the legacy message, in the finer steps of this one: the
-// axis and the node's rate, which stand here as differences from constants, are off by half a step
-// at most. What the legacy message does not have is 0: rates of axis and mean motion, what is
-// predicted of accuracy, earth orientation (here UT1 is UTC and the poles stand). L5 is not sent:
+// axis and the node's rate, which are differences from constants here, are off by half a step at
+// most. Values that the legacy message does not have are 0: rates of axis and mean motion,
+// predicted accuracy, earth orientation (here UT1 is UTC and the poles are fixed). L5 is not sent:
 // its health is bad, its delays are not available.
 //
 // The order is chosen; the intervals stay within table 30-XII (48 s for orbit and clock, 288 s for

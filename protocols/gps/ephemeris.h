@@ -2,8 +2,8 @@
 //
 // Source: IS-GPS-200 sections 20.3.3.3 and 20.3.3.4, tables 20-I, 20-II, 20-III, figure 20-1 sheets
 // 1 to 3. Quantities are SI and radians, as RINEX has them too; the semicircles of the message are
-// multiples of pi = 3.1415926535898. Encoding takes the nearest step, half a step is the greatest
-// error; a value that was decoded encodes to the same bits.
+// multiples of pi = 3.1415926535898. Encoding takes the nearest step, the maximum error is half a
+// step; a value that was decoded encodes to the same bits.
 #pragma once
 
 #include <cstdint>
@@ -60,10 +60,9 @@ void put_ephemeris(SubframeData& data, std::uint8_t id, const Ephemeris& ephemer
 /// Returns the ephemeris with every field rounded to the message's steps, as a receiver finds it.
 [[nodiscard]] Ephemeris quantised(const Ephemeris& ephemeris);
 
-/// What three subframes with heads say together. `week_hint` is a week within 511 of the week in
-/// which they were sent, of which they tell only the low ten bits. Malformed when a head is, when
-/// the ids are not 1, 2, 3 or the issues differ (a change between them); the offset is that of the
-/// subframe.
+/// Decodes three subframes with heads. `week_hint` is a week within 511 of the week in which they
+/// were sent, of which they carry only the low ten bits. Malformed when a head is, when the ids are
+/// not 1, 2, 3 or the issues differ (a change between them); the offset is that of the subframe.
 [[nodiscard]] Decoded<Ephemeris> decode_ephemeris(const SubframeData& first,
                                                   const SubframeData& second,
                                                   const SubframeData& third, std::uint8_t prn,
@@ -76,8 +75,8 @@ void put_ephemeris(SubframeData& data, std::uint8_t id, const Ephemeris& ephemer
 /// Nominal user range accuracy of an index, metres, as RINEX writes it: section 20.3.3.3.1.3. 15,
 /// which gives no accuracy, is 8192.
 [[nodiscard]] double nominal_accuracy_m(std::uint8_t index);
-/// The least index whose upper bound is not below `accuracy_m`; 15 beyond 6144 m. Nominal values
-/// give their own index.
+/// Returns the lowest index whose upper bound is not below `accuracy_m`; 15 beyond 6144 m. Nominal
+/// values give their own index.
 [[nodiscard]] std::uint8_t accuracy_index(double accuracy_m);
 
 }  // namespace rigwire::protocols::gps

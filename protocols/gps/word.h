@@ -1,9 +1,9 @@
 // Words of the legacy navigation message: 24 data bits and six parity bits.
 //
 // Source: IS-GPS-200 section 20.3.5 and table 20-XIV (the (32,26) Hamming code), figure 20-5 (the
-// user's check). A word stands in the low 30 bits of an integer, the bit sent first highest. Its
-// data bits are sent complemented when the last bit of the word before, D30*, is 1; the parity
-// bits cover the last two bits of the word before, D29* and D30*.
+// user's check). A word is in the low 30 bits of an integer, the bit sent first highest. Its data
+// bits are sent complemented when the last bit of the word before, D30*, is 1; the parity bits
+// cover the last two bits of the word before, D29* and D30*.
 #pragma once
 
 #include <cstdint>

@@ -211,7 +211,7 @@ template <class Structure>
   return bytes;
 }
 
-/// What follows the structure is not looked at, as in the firmware.
+/// Ignores what follows the structure, as the firmware does.
 template <class Structure>
 [[nodiscard]] Decoded<Structure> decode(std::span<const std::uint8_t> bytes) {
   if (bytes.size() < kBytes<Structure>) {

@@ -24,7 +24,7 @@ using vehicle::Scale;
 
 inline constexpr unsigned kAuxiliaryValves = 16;
 
-/// What a valve is told to be, or is.
+/// Commanded or actual state of a valve.
 enum class ValveState : std::uint8_t {
   neutral = 0,  ///< Ports blocked.
   extend = 1,
@@ -61,7 +61,7 @@ enum class ValveLimit : std::uint8_t {
   not_available = 7,
 };
 
-/// Why a valve no longer does what it was told; the codes of the guidance message.
+/// Why a valve no longer follows its command; the codes of the guidance message.
 enum class ValveExit : std::uint8_t {
   none = 0,
   operator_override = 3,
@@ -224,7 +224,7 @@ template <class Message>
 }
 
 /// The auxiliary valves' messages, for valves first_valve .. first_valve + valves - 1, as a device
-/// called `sender` with that address sends them (commands: sent to it by somebody, source FE).
+/// called `sender` with that address sends them (commands: sent to it by any node, source FE).
 [[nodiscard]] std::vector<can::OwnedMessage> message_layouts(unsigned first_valve, unsigned valves,
                                                              std::uint8_t address,
                                                              const std::string& sender);

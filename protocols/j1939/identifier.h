@@ -36,7 +36,7 @@ struct Identifier {
   return ((identifier.priority & 7U) << 26U) | (specific << 8U) | identifier.source;
 }
 
-/// The parts of a 29-bit identifier; higher bits are not looked at.
+/// The parts of a 29-bit identifier; higher bits are ignored.
 [[nodiscard]] constexpr Identifier unpack(std::uint32_t id) {
   Identifier identifier;
   identifier.priority = static_cast<std::uint8_t>((id >> 26U) & 7U);

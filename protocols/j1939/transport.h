@@ -7,7 +7,7 @@
 // message); either side may abort. Sessions and timers: emulators/j1939/j1939_transport.h.
 //
 // Management frame, bytes from 1:
-//   request to send 16    2-3 size, 4 packets, 5 greatest packets in one portion, 6-8 group
+//   request to send 16    2-3 size, 4 packets, 5 max packets in one portion, 6-8 group
 //   clear to send 17      2 packets of the portion (0: hold), 3 number of the first, 6-8 group
 //   end of message 19     2-3 size, 4 packets, 6-8 group
 //   broadcast 32          2-3 size, 4 packets, 6-8 group

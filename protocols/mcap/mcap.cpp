@@ -112,7 +112,7 @@ void put_channel(Bytes& out, const Channel& channel) {
   put<std::uint32_t>(out, 0);  // no metadata
 }
 
-/// Reads from the front; what is not there is told once, by ok().
+/// Reads from the front; ok() reports once whether anything was missing.
 class Cursor {
  public:
   explicit Cursor(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -312,7 +312,7 @@ void Writer::finish() {
     std::uint64_t length;
   };
   std::vector<Group> groups;
-  // Records of one kind stand together; where each group is comes behind them.
+  // Records of one kind are grouped; the positions of the groups follow them.
   const auto group = [&](Opcode opcode, const auto& items, const auto& write) {
     const std::uint64_t start = position();
     for (const auto& item : items) {

@@ -240,7 +240,7 @@ struct Refusal {
 [[nodiscard]] Pdu encode_response(const Response& response);
 
 // --- Serial lines only: 7 (read exception status), 8 (diagnostics) and 11 (get communication event
-// counter), both directions. On TCP they are functions that nobody has.
+// counter), both directions. On TCP no device has these functions.
 //
 // Source: V1.1b3, sections 6.7 to 6.9; order of the checks of function 8 after figure 18 there:
 // sub-function (01), then data (03). Sub-function 03 (delimiter of the ASCII mode) and function 12

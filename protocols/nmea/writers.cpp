@@ -51,7 +51,8 @@ bool has_identifiers(const Epoch& epoch) {
   return epoch.version >= Version::v410;
 }
 
-/// The letter of position mode. `with_carrier`: RMC and GNS tell float and fixed apart.
+/// Returns the letter of the position mode. `with_carrier`: RMC and GNS distinguish float and
+/// fixed.
 std::string_view position_mode(const Epoch& epoch, bool with_carrier) {
   if (!has_fix(epoch)) {
     return "N";
@@ -150,7 +151,7 @@ std::string_view status(const Epoch& epoch) {
   return has_fix(epoch) ? "A" : "V";
 }
 
-/// RMC alone tells carrier solutions apart.
+/// Writes the position mode of RMC, GLL or VTG; only RMC has `with_carrier`.
 void put_mode(Sentence& sentence, const Epoch& epoch, bool with_carrier) {
   if (epoch.version != Version::v21) {
     sentence.field(position_mode(epoch, with_carrier));

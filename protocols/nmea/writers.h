@@ -9,11 +9,11 @@
 // Source: u-blox M8 receiver description, UBX-13003221 R28, sections 31.1.6 "Position fix flags",
 // 31.2 "Standard Messages" and 31.3 "PUBX Messages"; ZED-F9P interface description HPG 1.50,
 // UBXDOC-963802114-12815, section 2.4 "NMEA multi-GNSS operation"; decimals, empty fields and
-// padding from recordings of a NEO-7P: what is not known stays empty, the dilutions are then 99.99,
-// the last GSV page is not padded. GST with two significant digits as M8 and F9 print it. PUBX:
-// padding and the fields without fix from published lines of u-blox 7 and M8 receivers (PUBX,04 of
-// the former has no empty field at its end, unlike the document's example). Every number is within
-// half a unit of its last decimal, and none is a negative zero.
+// padding from recordings of a NEO-7P: unknown values stay empty, the dilutions are then 99.99, the
+// last GSV page is not padded. GST with two significant digits as M8 and F9 print it. PUBX: padding
+// and the fields without fix from published lines of u-blox 7 and M8 receivers (PUBX,04 of the
+// former has no empty field at its end, unlike the document's example). Every number is within half
+// a unit of its last decimal, and none is a negative zero.
 #pragma once
 
 #include <cstdint>

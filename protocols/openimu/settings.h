@@ -20,12 +20,12 @@
 
 namespace rigwire::protocols::openimu {
 
-// Under which groups an OpenIMU hears its commands and sends its proprietary messages: all are
+// Groups under which an OpenIMU receives its commands and sends its proprietary messages: all are
 // FFxx, and a client may move xx (groups FFF0, FFF1, FFF2, "bank" messages: byte 1 the device, then
-// one byte per command, in an order that differs between the two devices) to keep out of somebody
-// else's way.
+// one byte per command, in an order that differs between the two devices) to avoid conflicts with
+// other nodes.
 
-/// What has a group that can be moved.
+/// Commands and messages whose group can be moved.
 enum class Command : std::uint8_t {
   reset_algorithm,
   save_configuration,

@@ -113,7 +113,7 @@ Decoded<IpContent> ip_content(std::span<const std::uint8_t> packet, LinkType lin
   const auto shorter_than = [&](std::size_t size) { return packet.size() < size; };
   constexpr std::size_t kCookedHead = 16;
   constexpr std::size_t kCooked2Head = 20;
-  std::size_t type_at = kEthernetHead - 2;  // where the protocol of the content stands
+  std::size_t type_at = kEthernetHead - 2;  // where the content's protocol number is
   std::size_t at = kEthernetHead;
   switch (link) {
     case LinkType::raw_ip:

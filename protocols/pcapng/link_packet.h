@@ -97,8 +97,8 @@ struct TcpPacket {
 /// Malformed: no TCP over IPv4 on Ethernet, or a fragment.
 [[nodiscard]] Decoded<TcpPacket> tcp_packet(std::span<const std::uint8_t> packet);
 
-/// One connection as its two ends would have met it: numbers run on, nothing is lost, every segment
-/// acknowledges all that came before.
+/// One connection as its two ends would have seen it: numbers run on, nothing is lost, every
+/// segment acknowledges all that came before.
 class TcpConversation {
  public:
   TcpConversation(const IpEnd& client, const IpEnd& server) : ends_{client, server} {}

@@ -38,7 +38,7 @@ Decoded<Interface> PcapReader::head(std::span<const std::uint8_t> bytes) {
     return Malformed{"another version of pcap than 2", 4};
   }
   Interface interface;
-  // The upper half says whether check sequences are there, which nobody here reads.
+  // The upper half says whether check sequences are there, which this reader ignores.
   interface.link = static_cast<LinkType>(load(bytes, 20) & 0xFFFFU);
   interface.resolution = nanoseconds_ ? 9 : 6;
   return {interface, kPcapHead};

@@ -37,7 +37,7 @@ constexpr std::size_t kSectionBody = 4     // byte order
 static_assert(kSectionBody == 16);
 constexpr std::size_t kInterfaceBody = 2     // link type
                                        + 2   // reserved
-                                       + 4;  // greatest length
+                                       + 4;  // maximum length
 static_assert(kInterfaceBody == 8);
 constexpr std::size_t kPacketBody = 4     // interface
                                     + 8   // time, upper half first

@@ -225,7 +225,7 @@ void write_satellite(BitWriter& bits, const LegacyObservations::Satellite& s,
     ++modulus;
     within = 0;
   }
-  // What the reader will find; the rest is told against it.
+  // The range that a decoder finds; the other values are coded relative to it.
   const double told_m = modulus * form.modulus_m + static_cast<double>(within) * kRangeStep_m;
   const auto beyond = [&](std::optional<double> value_m) {
     return value_m ? std::optional(*value_m - told_m) : std::nullopt;
@@ -425,7 +425,8 @@ constexpr std::array<LockRange, 6> kLegacyLocks{
     {{0, 1, 0}, {24, 2, 24}, {48, 4, 120}, {72, 8, 408}, {96, 16, 1176}, {120, 32, 3096}}};
 constexpr std::uint32_t kLegacyGreatest = 127;
 
-/// The greatest count whose time is not above that; by halving, since times grow with counts.
+/// Returns the highest count whose time is not above `locked_s`, by bisection: times grow with
+/// counts.
 template <class Time>
 std::uint32_t greatest_count(double locked_s, std::uint32_t greatest, Time time_of) {
   std::uint32_t low = 0;

@@ -100,9 +100,10 @@ struct SignalObservation {
   friend bool operator==(const SignalObservation&, const SignalObservation&) = default;
 };
 
-/// 1001 to 1004 GPS, 1009 to 1012 GLONASS: one carrier or both, each extended or not. What is not
-/// extended has no strengths, and ranges, and with them the phases, are known but for whole
-/// multiples of a light millisecond, of GLONASS two: it is read as less than one of these.
+/// 1001 to 1004 GPS, 1009 to 1012 GLONASS: one carrier or both, each extended or not. Messages that
+/// are not extended have no strengths, and their ranges, and with them the phases, are known except
+/// for whole multiples of a light millisecond, of GLONASS two: they are read as less than one of
+/// these.
 struct LegacyObservations {
   struct Satellite {
     std::uint8_t number = 0;       ///< DF009 (40 .. are SBAS), DF038.
@@ -207,18 +208,18 @@ using Message = std::variant<AntennaPosition, GlonassBiases, StationDescriptors,
 /// Writes the frame; its size, at most kGreatestFrame. Precondition: `out` holds that.
 std::size_t encode(const Message& message, std::span<std::uint8_t> out);
 
-/// An epoch as a system's messages tell it, from GPS time of week: BeiDou is 14 s behind, GLONASS
-/// goes by Moscow time and its day of the week.
+/// Returns an epoch as a system's messages count it, from GPS time of week: BeiDou is 14 s behind,
+/// GLONASS goes by Moscow time and its day of the week.
 [[nodiscard]] std::uint32_t msm_epoch(MsmSystem system, std::uint32_t gps_time_of_week_ms,
                                       int leap_seconds);
-/// Back again. Nothing: no epoch of that system, such as GLONASS without a day (7), which is left
-/// to whoever knows the day.
+/// Converts back. Empty: not an epoch of that system, such as GLONASS without a day (7), which only
+/// a caller that knows the day can resolve.
 [[nodiscard]] std::optional<std::uint32_t> gps_time_of_week_ms(MsmSystem system,
                                                                std::uint32_t epoch,
                                                                int leap_seconds);
 
 /// Lock times as messages count them: DF013 (older), DF402 (MSM4, MSM5), DF407 (MSM7). The counts
-/// grow with the time, the times are the least of a count.
+/// grow with the time, a time is the minimum of its count.
 [[nodiscard]] std::uint32_t legacy_lock_count(double locked_s);
 [[nodiscard]] double legacy_lock_s(std::uint32_t count);
 [[nodiscard]] std::uint32_t msm4_lock_count(double locked_s);

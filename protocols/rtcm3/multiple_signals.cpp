@@ -39,7 +39,7 @@ constexpr std::uint32_t kNoRoughRange = 255;
 constexpr unsigned kRoughFraction = 1024;  ///< Rough ranges count 2^-10 ms.
 constexpr std::uint8_t kNoChannel = 15;
 
-/// What stands once for a satellite.
+/// Values that occur once for each satellite.
 struct Rough {
   std::uint8_t satellite = 0;
   std::uint32_t range_ms = kNoRoughRange;
@@ -54,7 +54,7 @@ struct Rough {
   [[nodiscard]] bool has_rate() const { return rate_mps != kRoughRate.none(); }
 };
 
-/// What stands for each cell.
+/// Values that occur once for each cell.
 struct Fine {
   std::int64_t range = 0;
   std::int64_t phase = 0;

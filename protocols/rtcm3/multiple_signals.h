@@ -1,5 +1,5 @@
 // The payload of a multiple signal message after its number; message.h has the type and the
-// sources. Whoever wants a message asks message.h.
+// sources. To read or write a message, use message.h.
 #pragma once
 
 #include <cstdint>

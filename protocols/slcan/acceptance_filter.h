@@ -9,7 +9,7 @@
 //   single  11 bit   identifier 11, RTR, 4 unused, first data byte, second data byte
 //           29 bit   identifier 29, RTR, 2 unused
 //   dual    11 bit   filter 1: identifier 11, RTR, first data byte's upper half; its lower half
-//                    stands in AC3 bits 3..0.  filter 2, from AC2 on: identifier 11, RTR
+//                    is in AC3 bits 3..0.  filter 2, from AC2 on: identifier 11, RTR
 //           29 bit   filters 1 and 2: the identifier's upper 16 bits
 //
 // Data bytes that a frame does not have are not compared. Dual: one of the two must accept.

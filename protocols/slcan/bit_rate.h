@@ -24,8 +24,8 @@ inline constexpr std::uint32_t kPythonCanDisputedRate_bps = 750'000;
 /// The digit for a bit rate; nothing when the protocol has none.
 [[nodiscard]] std::optional<unsigned> rate_code(std::uint32_t bit_rate_bps);
 
-/// What a client means by Sn on a bus of `bus_bit_rate_bps`: the table's rate, but 750 kbit/s for
-/// S7 on a bus of that rate, which nobody could name otherwise. Precondition: code 0..9.
+/// Returns what a client means by Sn on a bus of `bus_bit_rate_bps`: the table's rate, but 750
+/// kbit/s for S7 on a bus of that rate, which no other code names. Precondition: code 0..9.
 [[nodiscard]] std::uint32_t rate_of_code(unsigned code, std::uint32_t bus_bit_rate_bps);
 
 /// The bit rate of s BTR0 BTR1 (BTR0 in the upper byte), rounded to bit/s: 5000 and more. Nothing

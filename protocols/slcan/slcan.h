@@ -9,7 +9,7 @@
 //   S0..S9      bit rate (bit_rate.h)        BEL       refused
 //   sxxyy       bit-timing registers         z CR, Z CR  frame taken (auto-poll)
 //   tiiildd..   11-bit data frame            tiiildd.. received frame [+ 4 digits of time stamp]
-//   Tiiiiiiiildd..  29-bit                   T.. r.. R.. likewise
+//   Tiiiiiiiildd..  29-bit                   T.. r.. R.. the same
 //   riiil Riiiiiiiil  remote frames          Fxx       status flags
 //   F V v N     status, versions, serial     Vxxxx vxxxx Nxxxx
 //   Z0 Z1       time stamps off, on          sxrrrttt  bus state and counters (kernel)
@@ -80,7 +80,7 @@ enum class ReplyKind : std::uint8_t {
   frame_taken,   ///< z or Z.
   frame,         ///< frame, time_stamp_ms.
   status_flags,  ///< number: the flags.
-  information,   ///< V, v or N with their text, not looked at.
+  information,   ///< V, v or N with their text, ignored.
   bus_state,     ///< state, receive_errors, transmit_errors.
   bus_errors,    ///< number: the letters, by bit.
   all_polled,    ///< A: no more frames.
@@ -140,7 +140,7 @@ class LineSplitter {
     bool too_long = false;               ///< The text was dropped.
   };
   /// The line that `byte` completes: at CR, or at BEL (then the text is the BEL itself, and what
-  /// stood before it is dropped, as it cannot be a line).
+  /// came before it is dropped, as it cannot be a line).
   [[nodiscard]] std::optional<Line> push(std::uint8_t byte);
 
  private:
@@ -149,8 +149,8 @@ class LineSplitter {
   bool too_long_ = false;
 };
 
-// The lines by which an adapter in the Linux kernel's dialect tells of its controller: s with state
-// and counters, e with errors (slc_bump_state and slc_bump_err of its slcan-core.c).
+// The lines by which an adapter in the Linux kernel's dialect reports on its controller: s with
+// state and counters, e with errors (slc_bump_state and slc_bump_err of its slcan-core.c).
 //
 //   sw000097   warning, receive counter 0, transmit counter 97; a w p b = active .. bus-off
 //   e2as       two errors: no acknowledge, stuff error

@@ -26,9 +26,8 @@ std::optional<Number> number(std::string_view word, int base) {
                                                                   : std::nullopt;
 }
 
-/// A byte as the daemon's sscanf reads it with %hhx: a sign and 0x may stand in front, and of a
-/// number of up to 64 bits the lowest eight count. Clients print a byte as a signed number
-/// (SavvyCAN).
+/// A byte as the daemon's sscanf reads it with %hhx: a sign and 0x may come first, and of a number
+/// of up to 64 bits the lowest eight count. Clients print a byte as a signed number (SavvyCAN).
 std::optional<std::uint8_t> scanned_byte(std::string_view word) {
   const bool negative = word.starts_with('-');
   if (negative || word.starts_with('+')) {

@@ -75,7 +75,7 @@ struct Command {
 /// An element with its brackets, or without.
 [[nodiscard]] Command parse_command(std::string_view element);
 
-/// Takes a stream apart into elements. What stands between them is skipped.
+/// Splits a stream into elements. Bytes between them are skipped.
 class ElementSplitter {
  public:
   /// The whole element with its brackets, when this byte ends one. Valid until the next push().

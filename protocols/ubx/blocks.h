@@ -1,7 +1,7 @@
 // Messages with a repeated part: a head and so many blocks, two structs of layout.h.
 //
-// A head that tells the number of its blocks has block_count(); that of others (MON-IO, CFG-RINV)
-// follows from the length.
+// A head that contains the number of its blocks has block_count(); that of others (MON-IO,
+// CFG-RINV) follows from the length.
 #pragma once
 
 #include <cstddef>
@@ -39,7 +39,7 @@ template <class Head, class Block>
 }
 
 /// Malformed when class or id are another message's, or the length does not fit the blocks that the
-/// head tells.
+/// head announces.
 template <class Head, class Block>
 [[nodiscard]] Decoded<Blocks<Head, Block>> decode_blocks(const FrameView& frame) {
   if (frame.id != Head::kId) {
@@ -59,7 +59,7 @@ template <class Head, class Block>
 }
 
 /// Writes a whole frame into `out` and returns its size; 0 when `out` is too small, the payload
-/// longer than 65535 bytes, or the head tells another number of blocks.
+/// longer than 65535 bytes, or the head announces another number of blocks.
 template <class Head, class Block>
 [[nodiscard]] std::size_t encode_blocks(const Head& head, std::span<const Block> blocks,
                                         std::span<std::uint8_t> out) {

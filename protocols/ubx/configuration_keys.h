@@ -56,7 +56,7 @@ struct ConfigurationKey {
   std::uint32_t id = 0;
   KeyType type = KeyType::l;
   std::string_view name;      ///< "CFG-RATE-MEAS".
-  std::uint64_t initial = 0;  ///< Default, as its bytes stand on the wire.
+  std::uint64_t initial = 0;  ///< Default, as its bytes are on the wire.
   std::int64_t lower = 0;     ///< Limits of the number on the wire; unused for floating point
   std::int64_t upper = 0;     ///< and 8-byte bit fields.
   std::uint64_t choices = 0;  ///< Bit v: v is allowed; 0: every number within the limits.

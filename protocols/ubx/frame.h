@@ -59,7 +59,7 @@ struct Checksum {
 /// the first one as the very last byte. bytes.size() when there is none.
 [[nodiscard]] std::size_t find_sync(std::span<const std::uint8_t> bytes, std::size_t from);
 
-/// Writes header and checksum around a payload that already stands at frame[kHeaderBytes].
+/// Writes header and checksum around a payload that is already at frame[kHeaderBytes].
 /// Precondition: kOverheadBytes <= frame.size() <= kOverheadBytes + 65535.
 void seal_frame(MessageId id, std::span<std::uint8_t> frame);
 

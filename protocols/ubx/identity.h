@@ -1,4 +1,4 @@
-// What a receiver tells of its chip and its memory: SEC-UNIQID (class 0x27) and LOG-INFO (class
+// What a receiver reports of its chip and its memory: SEC-UNIQID (class 0x27) and LOG-INFO (class
 // 0x21), in wire units. u-blox 8 and later.
 //
 // Source: u-blox M8 receiver description, UBX-13003221 R28, sections 32.14.5 "UBX-LOG-INFO" and

@@ -47,7 +47,7 @@ enum class Transaction : std::uint8_t { none = 0, start = 1, ongoing = 2, apply 
 
 struct KeyValue {
   std::uint32_t key = 0;
-  std::uint64_t value = 0;  ///< The bytes as they stand; signed numbers are not extended.
+  std::uint64_t value = 0;  ///< The bytes as they are; signed numbers are not extended.
 
   friend bool operator==(const KeyValue&, const KeyValue&) = default;
 };

@@ -5,7 +5,7 @@
 // interface description HPG 1.50, UBXDOC-963802114-12815, section 3.15, for NAV-SIG, NAV-COV,
 // NAV-SVIN, NAV-RELPOSNED and the high-precision positions. Lengths and ids of the older messages
 // checked against recordings of u-blox 7 receivers. NAV-PVT of 84 bytes ends before headVeh: no
-// recording of it was at hand, two client drivers accept that length.
+// recording of it was available, two client drivers accept that length.
 #pragma once
 
 #include <array>
@@ -93,8 +93,8 @@ struct NavPvt {
   }
 };
 
-/// NAV-PVT in the 92-byte form of u-blox 8 and later: the shorter form and what stands in and after
-/// its reserved bytes.
+/// NAV-PVT in the 92-byte form of u-blox 8 and later: the shorter form, with the fields in and
+/// after its reserved bytes.
 struct NavPvt92 : NavPvt {
   static constexpr MessageId kId{0x01, 0x07};
   static constexpr std::size_t kLength = NavPvt::kLength - 6 /*reserved*/ + 2 /*flags*/ +

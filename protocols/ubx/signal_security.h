@@ -1,5 +1,5 @@
-// What a receiver thinks of the signals that it hears: SEC-SIG and SEC-SIGLOG (class 0x27), in wire
-// units. HPG 1.50 and later.
+// A receiver's judgement of the signals that it receives: SEC-SIG and SEC-SIGLOG (class 0x27), in
+// wire units. HPG 1.50 and later.
 //
 // Source: u-blox F9 HPG 1.50 interface description, UBXDOC-963802114-12815, sections 3.18.2
 // "UBX-SEC-SIG" and 3.18.3 "UBX-SEC-SIGLOG".

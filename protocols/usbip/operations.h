@@ -73,7 +73,7 @@ using Request = std::variant<DeviceListRequest, ImportRequest>;
 /// Precondition of both encoders: each name fits with a zero behind it.
 [[nodiscard]] std::vector<std::uint8_t> encode_device_list(std::span<const ListedDevice> devices);
 [[nodiscard]] std::vector<std::uint8_t> encode_import_reply(const DeviceRecord& device);
-/// The device is not there, or somebody has it.
+/// Encodes the refusal when the device is not there or in use.
 [[nodiscard]] std::array<std::uint8_t, kOperationHeaderSize> encode_import_refusal();
 
 /// The client's side. At most kListMaximum devices are believed.

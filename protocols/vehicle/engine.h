@@ -77,7 +77,7 @@ enum class OverrideMode : std::uint8_t {
   disabled = 0,
   speed = 1,
   torque = 2,
-  limit = 3,  ///< Speed and torque are upper limits for somebody else's demand.
+  limit = 3,  ///< Speed and torque are upper limits for another node's demand.
 };
 
 /// Torque/Speed Control 1, addressed.

@@ -1,5 +1,5 @@
-// What a tractor tells its implements, and what they ask of it: hitches and power take-offs, power
-// after the key is off, and the operator's language (ISO 11783-7).
+// What a tractor reports to its implements, and what they request of it: hitches and power
+// take-offs, power after the key is off, and the operator's language (ISO 11783-7).
 //
 // Sources: isobus.net (positions, scales, SPNs of 65090 .. 65096); AgIsoStack (values of codes,
 // language command, maintain power).

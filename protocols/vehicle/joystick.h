@@ -50,7 +50,7 @@ struct BasicJoystick {
 
   static constexpr auto parameters() {
     using M = BasicJoystick;
-    // The second stick's numbers are not in the extract at hand.
+    // The second stick's numbers are not in the available extract.
     constexpr auto spn = [](std::uint32_t first) { return Stick == 1 ? first : 0U; };
     return std::array{
         state("x neutral", spn(2675), {1, 1}, &M::x_neutral),

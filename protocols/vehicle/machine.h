@@ -36,8 +36,8 @@ inline constexpr Scale kMachineAngle{kDegree_rad / 256.0, -125.0 * kDegree_rad, 
 /// One count of 1 g/m2.
 inline constexpr Scale kSpreaderRate{0.001, 0.0, "kg/m2"};
 
-/// Machine function command: Proprietary A (61184), addressed. What is not available stays as it
-/// is. On change; repeating it is harmless.
+/// Machine function command: Proprietary A (61184), addressed. A value that is not available
+/// changes nothing. On change; repeating it is harmless.
 struct MachineFunctionCommand {
   static constexpr Group kGroup{"MFC", 61184, 6, std::chrono::milliseconds{0}};
 

@@ -37,7 +37,7 @@ can::OwnedMessage begin_layout(const Group& group, const LayoutEnds& ends) {
 }
 
 can::OwnedMessage trouble_layout(const Group& group, const LayoutEnds& ends) {
-  // SPN in two parts, as its greatest bits follow the failure mode's byte from the top.
+  // SPN in two parts: its highest bits are the upper ones of the failure mode's byte.
   static constexpr std::array kSignals{
       code_signal("protect lamp", 987, {1, 1}, 2, kSwitchValues),
       code_signal("amber warning lamp", 624, {1, 3}, 2, kSwitchValues),

@@ -36,7 +36,7 @@ struct Vdc2 {
   }
 };
 
-/// Steering Angle Sensor Information. The checksum's rule is in none of the documents at hand: it
+/// Steering Angle Sensor Information. The checksum's rule is in none of the available documents: it
 /// is sent as not available.
 struct Sas {
   static constexpr Group kGroup{"SAS", 61469, 6, std::chrono::milliseconds{10}};
@@ -86,7 +86,7 @@ struct Esc1 {
 /// this project sends.
 enum class ExitReason : std::uint8_t {
   none = 0,
-  released = 2,  ///< By whoever commanded.
+  released = 2,  ///< By the commander.
   command_timeout = 5,
   out_of_range = 6,
   function_fault = 9,

@@ -6,7 +6,7 @@
 //   offset 1204, 1205  factory bytes: return mode, product id (HDL-64E: status type and value,
 //                      status_channel.h)
 //
-// Which laser stands where: packet_layout.h.
+// Which laser is where: packet_layout.h.
 //
 // Sources: HDL-32E user's manual 63-9113 Rev. H, "Packet format"; VLP-16 user's manual 63-9243
 // Rev. D, section 9.3 (factory bytes). Units older than firmware 2.2.20.0 send both factory bytes
@@ -60,7 +60,7 @@ struct Channel {
   friend bool operator==(const Channel&, const Channel&) = default;
 };
 
-/// A channel as its bytes stand on the wire, the first one lowest: distance in bits 0 .. 15,
+/// A channel as its bytes are on the wire, the first one lowest: distance in bits 0 .. 15,
 /// reflectivity in bits 16 .. 23; the rest is 0.
 using ChannelWord = std::uint32_t;
 

@@ -1,4 +1,4 @@
-// What an HDL-64E unit is calibrated by, and what its clients do with it.
+// Calibration of an HDL-64E unit, and what its clients do with it.
 //
 // A unit measures raw distances. Its clients add, for each laser, a distance correction that was
 // found at 25.04 m, replace it nearby by one interpolated in x and in y towards those found at 2.4
@@ -6,10 +6,13 @@
 // of the laser (rotor's - rot_correction), elevation w, in the manual's frame (x right, y forward):
 //
 //   far = d + dist_correction
-//   xx = |far cos w sin b - horizontal_offset cos b|,  yy = |far cos w cos b + horizontal_offset
-//   sin b| corr_x = near_x + (dist_correction - near_x) (xx - 2.4) / (25.04 - 2.4)     likewise
-//   corr_y, 1.93 x = (d + corr_x) cos w sin b - horizontal_offset cos b y = (d + corr_y) cos w cos
-//   b + horizontal_offset sin b z = (d + corr_y) sin w + vertical_offset
+//   xx = |far cos w sin b - horizontal_offset cos b|
+//   yy = |far cos w cos b + horizontal_offset sin b|
+//   corr_x = near_x + (dist_correction - near_x) (xx - 2.4) / (25.04 - 2.4)
+//   corr_y = near_y + (dist_correction - near_y) (yy - 1.93) / (25.04 - 1.93)
+//   x = (d + corr_x) cos w sin b - horizontal_offset cos b
+//   y = (d + corr_y) cos w cos b + horizontal_offset sin b
+//   z = (d + corr_y) sin w + vertical_offset
 //
 // An emulated sensor must send the raw distance from which such a client gets the true point:
 // raw_counts() inverts the formula.
@@ -109,7 +112,7 @@ struct CorrectedPoint {
                                        NearCorrection near = NearCorrection::everywhere);
 
 /// The raw distance in counts, not rounded, from which a client gets `range_m` along the beam.
-/// Below 1: nearer than the laser can tell. Error: less than 1e-6 counts; with
+/// Below 1: nearer than the laser can report. Error: less than 1e-6 counts; with
 /// NearCorrection::below_25_m, up to half its jump for ranges that the formula leaves out.
 [[nodiscard]] double raw_counts(const Hdl64eLaser& laser, double range_m, double azimuth_deg,
                                 NearCorrection near = NearCorrection::everywhere);

@@ -96,15 +96,14 @@ constexpr std::int32_t vlp_32c_fires_at_ns(std::int32_t laser) {
   return laser / 2 * 2304;
 }
 
-// HDL-64E: nominal tables. A real unit is known by its calibration (hdl_64e_calibration.h), and so
-// is ours; these figures stand where no calibration is given.
+// HDL-64E: nominal tables. A real unit is described by its calibration (hdl_64e_calibration.h), and
+// so is an emulated one; these figures apply where no calibration is given.
 //
 // Elevations: data sheet, upper bank +2 to -8.33 degrees in thirds, lower bank -8.83 to -24.33 in
-// halves. Which laser looks how high, and its column: common to the calibrations that are published
-// for S2.1 and S3 units (laser numbers in the order of firing, two and two from alternating parts
-// of the bank; columns repeat every twelve heights). Mean heights of the banks and the offset to
-// the side likewise. Times: S2.1 and S3 manuals, "Laser firing time table"; the two banks fire
-// together.
+// halves. Common to the calibrations that are published for S2.1 and S3 units are the elevation and
+// column of each laser (laser numbers in the order of firing, two and two from alternating parts of
+// the bank; columns repeat every twelve heights), the mean heights of the banks and the offset to
+// the side. Times: S2.1 and S3 manuals, "Laser firing time table"; the two banks fire together.
 
 constexpr std::size_t kBank = 32;
 

@@ -1,6 +1,6 @@
-// The laser tables of the models. Each row is one laser as its family's documents print it; when it
-// fires is the family's rule and stands beside its rows. In the order of the lasers' numbers, which
-// is their order in the blocks of a packet.
+// The laser tables of the models. Each row is one laser as its family's documents print it; the
+// family's rule for its firing time is beside the rows. Rows are in the order of the lasers'
+// numbers, which is their order in the blocks of a packet.
 #pragma once
 
 #include <array>

@@ -44,7 +44,7 @@ struct BeamDivergence {
   double vertical_mrad = 0.0;
 };
 
-/// What stands in the IP headers of a model's packets.
+/// Fields in the IP headers of a model's packets.
 struct PacketHeaders {
   std::uint8_t data_time_to_live = 255;
   bool data_unfragmented = true;

@@ -74,13 +74,13 @@ struct Recognition {
   std::string_view doubt;        ///< Static text; empty when the model is certain.
 };
 
-/// From flags and product id. In doubt: HDL-64E (S2 or S3 is told by the status channel, not by one
-/// packet), 0x23 (VLP-32A or VLP-32B), no product id (old firmware), ids and flags at odds.
+/// From flags and product id. In doubt: HDL-64E (S2 or S3 is decided by the status channel, not by
+/// one packet), 0x23 (VLP-32A or VLP-32B), no product id (old firmware), ids and flags at odds.
 [[nodiscard]] Recognition recognize(const DataPacket& packet);
 
 /// From the first factory byte, 0 of old firmware counting as strongest. An HDL-64E has no such
-/// byte: it sends two returns when its first and third block agree in azimuth (as of a rotor that
-/// stands still, wrongly), strongest otherwise.
+/// byte: it sends two returns when its first and third block agree in azimuth (wrongly for a rotor
+/// at rest), strongest otherwise.
 [[nodiscard]] ReturnMode return_mode(const DataPacket& packet, const Model& model);
 
 }  // namespace rigwire::protocols::velodyne

@@ -141,7 +141,7 @@ void PointReader::append(const DataPacket& packet, std::vector<Point>& points) {
     lay_out(mode);
   }
   const double speed_degpns = counts_per_ns(packet, mode) * kCount_deg;
-  // In a dual return the other echo of a block stands so many blocks further on.
+  // In a dual return the other echo of a block is so many blocks further on.
   const std::size_t partner = model_->status_channel ? 2 : 1;
   const BlockEcho first = model_->status_channel ? BlockEcho::strongest : BlockEcho::last;
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {

@@ -63,7 +63,7 @@ class PointReader {
     double right_m = 0.0;     ///< Where the beam leaves.
     double up_m = 0.0;
   };
-  /// Where the rotor stands.
+  /// Azimuth of the rotor.
   struct Heading {
     double deg = 0.0;
     double cos = 1.0;

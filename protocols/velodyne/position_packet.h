@@ -67,7 +67,7 @@ struct InertialReading {
   double acceleration_y_mps2 = 0.0;
 };
 
-/// Rounded to counts and clamped to 12 bits (200 deg/s, 2.5 g); what is not a number counts 0.
+/// Rounded to counts and clamped to 12 bits (200 deg/s, 2.5 g); NaN becomes 0.
 [[nodiscard]] InertialGroup to_counts(const InertialReading& reading);
 [[nodiscard]] InertialReading from_counts(const InertialGroup& group);
 
@@ -79,7 +79,7 @@ enum class ConverterCalibration : std::uint8_t {
   periodic = 4,
 };
 
-/// What the extended layout tells of the unit: temperatures and the calibration of its
+/// What the extended layout reports of the unit: temperatures and the calibration of its
 /// analogue-to-digital converters. All zero in the other layouts.
 struct UnitStatus {
   std::uint8_t top_board_c = 0;                 ///< 0xBB, 0 .. 150 as all temperatures.
@@ -107,7 +107,7 @@ struct PositionPacket {
   PulseState pulse_state = PulseState::absent;
   std::array<char, kNmeaSize> nmea{};  ///< Zero-padded.
 
-  /// The sentence with its CR LF; empty when the sensor hears no receiver.
+  /// The sentence with its CR LF; empty when the sensor receives none.
   [[nodiscard]] std::string_view sentence() const;
   /// Precondition: at most kNmeaSize characters, no NUL (asserted).
   void set_sentence(std::string_view text);

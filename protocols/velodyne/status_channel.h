@@ -2,8 +2,8 @@
 //
 // Sixteen packets are a cycle: hour, minute, second, day, month, year of the time in UTC, GPS
 // state, temperature, firmware version (types H M S D N Y G T V), then seven bytes of the record
-// that status_record.h lays out (types '1' to '7', and some of their own). 260 cycles or 4160
-// packets tell all of it.
+// that status_record.h describes (types '1' to '7', and some of their own). 260 cycles or 4160
+// packets carry all of it.
 //
 // Source: HDL-64E S3 user's manual 63-HDL64ES3 Rev. K, appendix E, pages 33 to 37. The S2.1 differs
 // in the check and has no type W.
@@ -78,7 +78,7 @@ class StatusReader {
   /// The record, with the packet that completes it.
   std::optional<StatusRecord> add(const StatusByte& status);
 
-  /// The latest values heard; gps holds whatever byte came.
+  /// The latest values received; gps holds whatever byte came.
   [[nodiscard]] const StatusLive& live() const { return live_; }
   /// Records that were complete but did not pass their check, or broke off.
   [[nodiscard]] std::uint64_t rejected() const { return rejected_; }

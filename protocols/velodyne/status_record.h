@@ -1,11 +1,11 @@
-// What an HDL-64E tells of itself through its status channel: the record of 1820 bytes that it
+// What an HDL-64E reports of itself through its status channel: the record of 1820 bytes that it
 // repeats, seven in every sixteen packets (status_channel.h).
 //
 //   offset 0            "UNIT#", then the noise thresholds of the upper and the lower bank
 //   offset 7 + 28 n     laser n = 0..63: number u8; then nine i16: elevation and rotation (0.01
 //                       degree), far distance correction, near ones of x and y, vertical and
-//                       horizontal offset, focal distance (mm), focal slope (0.1); least and
-//                       largest intensity u8; seven reserved bytes (S3: the first repeats the
+//                       horizontal offset, focal distance (mm), focal slope (0.1); min and
+//                       max intensity u8; seven reserved bytes (S3: the first repeats the
 //                       warnings), but for laser 63, whose place the tail takes
 //   offset 1792         year (from 2000), month, day, hour, minute, second of the calibration;
 //                       humidity; motor speed i16 rpm; view from and to u16 0.01 degree; life u16

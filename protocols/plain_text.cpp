@@ -34,7 +34,7 @@ Character first_character(std::string_view text) {
   if (head < 0x80) {
     return {head, 1, true};
   }
-  // Length by the leading byte; the least code that needs it, so that no other spelling passes.
+  // Length by the leading byte, and the lowest code of that length: no other spelling is valid.
   const std::size_t length = head >= 0xF0 ? 4 : head >= 0xE0 ? 3 : 2;
   if (head < 0xC2 || head > 0xF4 || text.size() < length) {
     return {head, 1, false};

@@ -1,5 +1,5 @@
 // Text that comes from outside (files, arguments, what a client sent): whether it is UTF-8 that can
-// be shown, and how to show what is not, so that nothing in it can steer a terminal.
+// be shown, and how to show the rest, so that nothing in it can steer a terminal.
 #pragma once
 
 #include <cstddef>

@@ -14,7 +14,7 @@ namespace rigwire::protocols {
 
 /// More bytes are needed before anything can be said.
 struct Incomplete {
-  std::size_t needed = 0;  ///< Bytes that the item has at least, in all.
+  std::size_t needed = 0;  ///< Total bytes of the item, at least.
   std::size_t had = 0;     ///< Bytes that were offered.
 };
 

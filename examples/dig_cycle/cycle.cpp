@@ -36,7 +36,7 @@ constexpr double kReachStep_rad = 6.0 * kDegree;
 /// A pull that the ground holds for so long is raised, so fast.
 constexpr double kStalled_s = 0.3;
 constexpr double kEase_mps = 0.25;
-/// An arm that moved by this and then stands before its target is held by something.
+/// An arm that moved by this and then stops before its target is blocked by something.
 constexpr double kMoved_rad = 5.0 * kDegree;
 constexpr double kHeld_s = 10.0;
 /// A bucket that is caught is pushed back out and lifted again, by turns of so long.
@@ -131,7 +131,7 @@ PerJoint Cycle::dig_pose(double progress, double above_m) const {
       std::lerp(settings_.dig_start_radius_m, settings_.dig_end_radius_m, progress);
   const double bucket_rad =
       std::lerp(settings_.bucket_attack_rad, settings_.bucket_curled_rad, progress);
-  // Ground too low or too high for the arm is met as nearly as it can.
+  // If the ground is too low or too high for the arm, takes the nearest of five heights in reach.
   for (const double share : {1.0, 0.75, 0.5, 0.25, 0.0}) {
     if (auto pose = reach(machine_, {radius_m, ground_z_m_ * share + above_m}, bucket_rad)) {
       (*pose)[swing] = lanes_.azimuth_rad();

@@ -2,8 +2,8 @@
 // beliefs; it knows neither wires nor clocks.
 //
 // The soil stays in the bucket while that is level, and runs over its teeth as it opens: the bucket
-// is held level until its teeth are over the truck, and opens there while the arm stands. A bucket
-// that came up nearly empty is not carried to the truck.
+// is held level until its teeth are over the truck, and opens there while the arm is at rest. A
+// bucket that came up nearly empty is not carried to the truck.
 #pragma once
 
 #include <cstdint>

@@ -33,9 +33,10 @@ class Inclination {
  public:
   explicit Inclination(const InclinationSettings& settings = {});
 
-  /// One rate sample, nose up positive, that stands for the last `step_s`.
+  /// Takes one rate sample, nose up positive, for the last `step_s`.
   void rate(double pitch_rate_radps, double step_s);
-  /// One acceleration sample: specific force along the link and square to it, upwards at rest.
+  /// Takes one acceleration sample: specific force along the link and square to it, upwards at
+  /// rest.
   void specific_force(double along_mps2, double up_mps2, bool quiet, double step_s);
 
   [[nodiscard]] bool ready() const { return ready_; }

@@ -1,7 +1,7 @@
 // The CAN bus with the four inertial sensors: J1939 angular rate and acceleration frames into the
 // estimator.
 //
-// Which sensor sits on which link is told by source address (0x80 chassis, 0x81 boom, 0x82 stick,
+// The sensor of each link is identified by its source address (0x80 chassis, 0x81 boom, 0x82 stick,
 // 0x83 bucket as delivered), or by the identity number in the sensors' NAMEs: then the addresses
 // are learnt from their claims, and may change at any time.
 #pragma once
@@ -24,7 +24,7 @@ struct ImuWireSettings {
 
 class ImuWire {
  public:
-  /// `heard` is called for a link when one of its acceleration frames brought a sound value.
+  /// Calls `heard` for a link when one of its acceleration frames brought a sound value.
   ImuWire(Estimator& estimator, const ImuWireSettings& settings, std::function<void(Link)> heard);
 
   void receive(const protocols::can::Frame& frame);

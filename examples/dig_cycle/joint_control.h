@@ -15,7 +15,7 @@ struct JointControlSettings {
   /// Largest opening, 0..1 of full travel.
   PerJoint largest_opening{0.8, 0.8, 0.8, 0.8};
   /// The bucket's, where it is curled further than that: its linkage turns it there at 270 deg/s of
-  /// full opening, and its inertial unit tells no more than 250 deg/s (SAE J1939-71, PGN 61482).
+  /// full opening, and its inertial unit reports no more than 250 deg/s (SAE J1939-71, PGN 61482).
   double curled_opening = 0.35;
   double curled_rad = -100.0 * kDegree;
   /// Largest change of an opening, per second.

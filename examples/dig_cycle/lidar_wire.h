@@ -14,7 +14,7 @@ namespace rigwire::dig_cycle {
 
 class LidarWire {
  public:
-  /// `heard` is called for every sound data packet, `arm` asked once per packet.
+  /// Calls `heard` for every sound data packet, and `arm` once per packet.
   LidarWire(Surroundings& surroundings, std::function<ArmShape()> arm, std::function<void()> heard);
 
   void receive(std::span<const std::uint8_t> datagram) { wire_.receive(datagram); }

@@ -1,6 +1,5 @@
-// What the field program knows of the machine that it works: the arm's lengths and limits, and
-// which way each valve section moves its joint. A controller's own data, entered by whoever fits
-// it.
+// What the field program knows of its machine: the arm's lengths and limits, and which way each
+// valve section moves its joint. Data of the controller, entered by its installer.
 //
 // Frame of all positions here: the upper structure's, origin on the swing axis at the height of the
 // ground under the tracks, x forward along the arm, y left, z up. Angles in rad, positive upwards;
@@ -58,7 +57,7 @@ struct PlanePoint {
   double z_m = 0.0;
 };
 
-/// Pins of the arm, for the tip and for telling the own arm in the lidar's picture.
+/// Pins of the arm, for the tip and for recognising the own arm in the lidar's points.
 struct ArmShape {
   PlanePoint foot;
   PlanePoint stick_pin;

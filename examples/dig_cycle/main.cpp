@@ -1,6 +1,6 @@
 // dig_cycle: a field program. It knows wires only: NMEA on a serial line, Velodyne packets on UDP,
-// J1939 frames on CAN, registers on Modbus TCP. Whether real devices or emulated ones are at the
-// other ends, it cannot tell.
+// J1939 frames on CAN, registers on Modbus TCP. It cannot distinguish real devices from emulated
+// ones at the other ends.
 #include <boost/asio/io_context.hpp>
 
 #include "dig_cycle/options.h"

@@ -140,7 +140,7 @@ void Program::take_valves() {
   if (!valve_state_ || Clock::now() - valve_state_->received > SensorWatch::limit(Sensor::valves)) {
     return;
   }
-  // A driver that answers while its transducers stand still is as silent as one that does not.
+  // A driver that answers while its transducers deliver nothing new counts as silent.
   if (measurement_count_ != valve_state_->measurement_count) {
     measurement_count_ = valve_state_->measurement_count;
     watch_.heard(Sensor::valves, watched_);

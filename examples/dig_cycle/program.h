@@ -87,8 +87,8 @@ class Program {
   boost::asio::steady_timer control_timer_;
   Clock::time_point next_control_{};
   std::chrono::nanoseconds last_control_{0};
-  /// The clock of `watch_`: it stands while the program itself is held up, so that no sensor is
-  /// called silent for what waits to be read.
+  /// The clock of `watch_`: it stops soon while the program itself is held up, so that no sensor is
+  /// called silent while its data wait to be read.
   std::chrono::nanoseconds watched_{0};
   std::uint64_t ticks_ = 0;
   State state_ = State::waiting;

@@ -1,8 +1,8 @@
 // What the lidar shows of the place: the ground in front of the bucket, the nearest thing in the
 // dig sector, and whether something stands in the way of a swing.
 //
-// Works per revolution of the sensor: points are collected, and finish_revolution() draws the
-// conclusions. The own arm (as it is believed to be) and the own body are taken out first.
+// Works per revolution of the sensor: points are collected, and finish_revolution() evaluates them.
+// The own arm (as it is believed to be) and the own body are taken out first.
 #pragma once
 
 #include <cstdint>

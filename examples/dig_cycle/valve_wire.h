@@ -36,7 +36,7 @@ struct ValveState {
   double boom_rod_side_pa = 0.0;
   double swing_rad = 0.0;
   double swing_rate_radps = 0.0;
-  /// Counts the encoder's measurements: stands still when the transducers are silent.
+  /// Counts the encoder's measurements: unchanged when the transducers are silent.
   std::uint16_t measurement_count = 0;
   std::uint64_t cycles = 0;  ///< Answers so far.
 };

@@ -1,5 +1,5 @@
 // The software under test: knows the boom's inclination from the inertial unit on the boom, and
-// when it does not know it any more. It has never heard of Rigwire; on the machine a CAN driver
+// when it does not know it any more. It does not depend on Rigwire; on the machine a CAN driver
 // feeds it.
 #pragma once
 

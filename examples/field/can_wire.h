@@ -24,8 +24,8 @@ class CanWire {
   [[nodiscard]] drivers::CanBus& bus() { return *bus_; }
   /// "vcan0", or the adapter's path.
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// To be called about once a second: an adapter that has come (back), or that has been silent, is
-  /// told to open its channel.
+  /// To be called about once a second: reopens the channel of an adapter that has come (back) or
+  /// has been silent.
   void tend(bool silent);
 
  private:

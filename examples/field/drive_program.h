@@ -5,8 +5,8 @@
 //   driving --device silent--> stopping (4)    --mission's fault--> stopping (1)
 //   any --interrupt, time over--> stopping (0) stopping --at rest, parking brake on--> ended
 //
-// Outside `driving` the brakes are asked for; the program ends when the machine reports that it
-// stands with its parking brake on, or 6 s after it began to stop.
+// Outside `driving` the brakes are asked for; the program ends when the machine reports that it is
+// at rest with its parking brake on, or 6 s after it began to stop.
 #pragma once
 
 #include <algorithm>
@@ -131,8 +131,8 @@ class DriveProgram {
   boost::asio::steady_timer timer_;
   Clock::time_point next_{};
   std::chrono::nanoseconds last_{0};
-  /// The clock of `watch_`: it stands while the program itself is held up, so that no device is
-  /// called silent for what waits to be read.
+  /// The clock of `watch_`: it stops soon while the program itself is held up, so that no device is
+  /// called silent while its data wait to be read.
   std::chrono::nanoseconds watched_{0};
   std::chrono::nanoseconds last_frame_{0};
   std::chrono::nanoseconds stop_began_{0};

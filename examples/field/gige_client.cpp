@@ -494,7 +494,7 @@ void GigeClient::begin_stream(std::uint32_t payload_bytes) {
         handlers_.send(gev::encode_packet_resend(request_ == 0 ? 1 : request_, resend).view());
       },
       [this](const GigeBlock& block) { handlers_.block(block); });
-  // The reader is told before the first picture can come.
+  // Notifies the reader before the first picture can come.
   if (handlers_.streaming) {
     handlers_.streaming();
   }

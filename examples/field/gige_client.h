@@ -105,7 +105,8 @@ class GigeClient {
 
   /// Asks and listens from now on.
   void start(Instant now);
-  /// Ends acquisition and stream and releases the camera: three commands that nobody waits for.
+  /// Ends acquisition and stream and releases the camera: three commands whose answers are not
+  /// awaited.
   void stop();
 
   void receive_control(Instant now, std::span<const std::uint8_t> datagram);
@@ -151,7 +152,7 @@ class GigeClient {
                    bool refusable, std::function<void(bool)> then);
   void write_word(std::uint32_t address, std::uint32_t value, const std::string& what,
                   bool refusable, std::function<void(bool)> then);
-  /// `then` is told whether the camera took it.
+  /// Calls `then` with whether the camera accepted it.
   void write_feature(const GigeFeature& feature, double value, bool refusable,
                      std::function<void(bool)> then);
   void read_feature(const GigeFeature& feature, bool refusable,

@@ -42,8 +42,8 @@ std::optional<double> to_real(std::string_view text) {
                                                                   : std::nullopt;
 }
 
-/// Elements of a document, one after the other. Entities are left as they stand: names, numbers
-/// and addresses have none.
+/// Elements of a document, one after the other. Entities are left as they are: names, numbers and
+/// addresses have none.
 class Markup {
  public:
   enum class What : std::uint8_t { begin, end, over };

@@ -83,7 +83,7 @@ class GigeDescription {
   std::map<std::string, Node, std::less<>> nodes_;
 };
 
-/// What stands in a camera's URL register. "Local:NAME;ADDRESS;SIZE", both hexadecimal.
+/// Content of a camera's URL register: "Local:NAME;ADDRESS;SIZE", both hexadecimal.
 struct GigeUrl {
   std::uint32_t address = 0;
   std::uint32_t size = 0;

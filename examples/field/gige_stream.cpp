@@ -89,7 +89,7 @@ void GigeStream::receive(Instant now, std::span<const std::uint8_t> datagram) {
     ++counters_.duplicates;
     return;
   }
-  // A leader is looked at before it may begin a block.
+  // A leader is checked before it may begin a block.
   if (packet->header.format == gev::PacketFormat::leader && !is_error(packet->header.status)) {
     Block trial;
     if (!store_leader(trial, *packet)) {

@@ -39,7 +39,7 @@ struct GnssFixBelief {
 
 class GnssWire {
  public:
-  /// `heard` is called for every sound RMC or GGA, with or without a fix.
+  /// Calls `heard` for every sound RMC or GGA, with or without a fix.
   explicit GnssWire(std::function<void()> heard);
 
   void receive(std::span<const std::uint8_t> bytes);

@@ -33,7 +33,7 @@ struct LidarMount {
 
 class LidarWire {
  public:
-  /// What is told of a sound data packet, in this order.
+  /// Callbacks for a sound data packet, in this order.
   struct Listener {
     std::function<void()> revolution;  ///< The rotor has passed its zero: what was is a revolution.
     std::function<void(std::span<const protocols::velodyne::Point>)> points;

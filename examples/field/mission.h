@@ -67,7 +67,8 @@ class Mission {
  public:
   virtual ~Mission() = default;
 
-  /// The first position of the antenna, averaged at standstill; tells the heading to begin with and
+  /// Initial heading and its standard deviation, for the first position of the antenna, averaged at
+  /// standstill. `position` is in the mission's plane.
   /// its standard deviation. `position` is in the mission's plane.
   struct Start {
     double heading_rad = 0.0;

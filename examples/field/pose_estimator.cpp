@@ -12,7 +12,7 @@ namespace {
 
 /// Speed below which the vehicle counts as standing.
 constexpr double kStanding_mps = 0.02;
-/// Greatest difference of one reading from the bias at standstill.
+/// Maximum difference of one reading from the bias at standstill.
 constexpr double kStandingGyro_radps = 0.02;
 constexpr double kGate = 5.0;
 /// After so many rejected fixes in a row the estimate itself is wrong.

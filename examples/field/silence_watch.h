@@ -1,4 +1,4 @@
-// When each device was last heard, and which one is silent.
+// When each device last sent something, and which one is silent.
 #pragma once
 
 #include <chrono>

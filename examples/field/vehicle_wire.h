@@ -33,7 +33,7 @@ struct VehicleReadings {
   bool shifting = false;
   bool parking_brake = false;
   bool steering_ready = false;
-  bool steering_needs_reset = false;  ///< It was not commanded for too long, and has let go.
+  bool steering_needs_reset = false;  ///< Steering released after too long without a command.
 };
 
 struct VehicleOrders {
@@ -54,7 +54,7 @@ class VehicleWire {
   /// Milliseconds between two calls of send().
   static constexpr int kTick_ms = 20;
 
-  /// Called for what was heard.
+  /// Callbacks for received data.
   struct Heard {
     std::function<void()> gateway;  ///< Wheel speeds arrived.
     std::function<void()> imu;      ///< A sound yaw rate arrived.
@@ -71,7 +71,7 @@ class VehicleWire {
   /// Ends the requests properly, so that their end is no fault to the gateway: for a machine that
   /// is parked.
   void release(drivers::CanBus& bus) const;
-  /// How often steering had let go and was asked to begin anew.
+  /// How often steering had released and was asked to begin anew.
   [[nodiscard]] std::uint64_t steering_resets() const { return steering_resets_; }
   /// Announces the own address.
   void claim(drivers::CanBus& bus) const;

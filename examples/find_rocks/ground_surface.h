@@ -47,7 +47,7 @@ struct GroundSettings {
 
 class GroundSurface {
  public:
-  /// Nothing when the picture shows no ground that could be told.
+  /// Nothing when no ground is found in the picture.
   [[nodiscard]] static std::optional<GroundSurface> find(const StereoPicture& picture,
                                                          const GroundSettings& settings);
 

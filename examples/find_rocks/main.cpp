@@ -1,5 +1,5 @@
-// find_rocks: a field program. It knows one wire only: GigE Vision on UDP. Whether a real stereo
-// camera or an emulated one is at the other end, it cannot tell.
+// find_rocks: a field program. It knows one wire only: GigE Vision on UDP. It cannot distinguish a
+// real stereo camera from an emulated one at the other end.
 #include <boost/asio/io_context.hpp>
 
 #include "find_rocks/options.h"

@@ -178,7 +178,7 @@ void Program::take(const field::GigeBlock& block) {
 
 bool Program::settled(std::optional<double> exposure_us) {
   if (!exposure_us) {
-    return true;  // it does not tell
+    return true;  // the camera does not report it
   }
   exposures_us_.push_back(*exposure_us);
   if (exposures_us_.size() > kSettledPictures) {

@@ -1,5 +1,5 @@
-// The program between the camera's wire and the rocks: opens the camera, looks at the newest
-// picture whenever it has looked at the last one, and says what it sees.
+// The program between the camera's wire and the rocks: opens the camera, evaluates the newest
+// picture whenever it is done with the last one, and reports what it finds.
 //
 //   waiting --a picture--> looking     waiting, looking --no picture for --patience--> ended (4)
 //   any --interrupt, time over--> ended (0)
@@ -7,9 +7,9 @@
 // While the camera is choosing its exposure, as after it was switched on, its pictures are too
 // bright or too dark to be matched in, and are passed over as well.
 //
-// Pictures are looked at in a thread of their own, so that packets are taken and the camera hears
-// of its controller meanwhile. Pictures that come while one is looked at are passed over but for
-// the newest.
+// Pictures are evaluated in a thread of their own, so that meanwhile packets are taken and the
+// camera's heartbeat is kept. Of pictures that come while one is evaluated, only the newest is
+// used.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

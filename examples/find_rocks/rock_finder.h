@@ -1,18 +1,17 @@
-// Rocks in a disparity picture: what stands out above the ground by the height and extent of a
-// rock.
+// Rocks in a disparity picture: objects above the ground with the height and extent of a rock.
 //
 // Pixels that are higher above the ground than it is rough, and than their disparity may err, are
 // joined to heaps in the picture; a heap is a rock when
-// - it is at least as wide and as high as a rock of the least size, and no larger than the largest,
+// - it is at least as wide and as high as a rock of the minimum size, and no larger than the
+//   largest,
 // - it is about as wide as high, or wider: no trunk, no post, no bush that stands upright,
-// - its pixels fill a third of their rectangle or more: what is scattered, matching found by
-// chance,
+// - its pixels fill a third of their rectangle or more: scattered pixels are chance matches,
 // - it stands on the ground: nothing that hangs in the air (a boom) and nothing that the edge of
 //   what has disparities cuts,
 // - and it is not of the machine itself: within a box or a part of the picture that was named.
 //
-// What cannot be told from a rock is taken for one: a low bush, a tuft of grass, a bucket on the
-// ground outside of the box, a heap of the size and steepness of a rock.
+// What cannot be distinguished from a rock is taken for one: a low bush, a tuft of grass, a bucket
+// on the ground outside of the box, a heap of the size and steepness of a rock.
 #pragma once
 
 #include <vector>
@@ -66,13 +65,14 @@ struct FoundRocks {
   bool ground = false;          ///< Ground was found.
   double camera_height_m = 0.0;
   double pitch_rad = 0.0;    ///< Angle of the axis below the ground's plane.
-  double farthest_m = 0.0;   ///< Greatest distance that was evaluated.
+  double farthest_m = 0.0;   ///< Maximum distance that was evaluated.
   double disparities = 0.0;  ///< Share of pixels that had one.
 };
 
-/// How far ahead a rock of the least size is found: where two thirds of its diameter are above the
-/// ground's roughness by 3.5 standard deviations of a pixel's height, and disparities are six
-/// pixels or more: below, what matching does to all of them alike (pixel locking) bends the ground.
+/// Returns how far ahead a rock of the minimum size is found: where two thirds of its diameter are
+/// above the ground's roughness by 3.5 standard deviations of a pixel's height, and disparities are
+/// six pixels or more: below, what matching does to all of them alike (pixel locking) bends the
+/// ground.
 [[nodiscard]] double resolvable_m(const RockSettings& settings, double focal_baseline,
                                   double camera_height_m);
 

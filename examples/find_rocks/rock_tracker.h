@@ -1,8 +1,8 @@
 // Rocks over pictures: the same rock keeps its number, and what is seen once is not believed.
 //
 // A rock of a new picture belongs to the nearest one that is known, within what its place may err
-// by; each to one. The machine may stand or creep: where the camera turns or drives by more than
-// that from picture to picture, rocks get new numbers.
+// by; each to one. The machine may be at rest or creep: where the camera turns or drives by more
+// than that from picture to picture, rocks get new numbers.
 #pragma once
 
 #include <bitset>

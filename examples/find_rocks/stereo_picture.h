@@ -1,4 +1,4 @@
-// A disparity picture, and the points that it stands for.
+// A disparity picture, and the points that it represents.
 //
 // Frame C of the picture: x right, y down, z along the optical axis, metres. A pixel of disparity d
 // (px) is at Z = f B / d, X = (u - u0) Z / f, Y = (v - v0) Z / f; f, u0, v0 in pixels of this

@@ -102,7 +102,7 @@ FollowerOutput Follower::update(const field::Pose& pose, double step_s) {
 
   double limit = std::max(speed_limit_mps(left_m), kLeastSpeed_mps);
   if (free_m_) {
-    // Braking twice as hard as at the path's end: nobody meant to stop here.
+    // Braking twice as hard as at the path's end: this stop was not planned.
     limit = std::min(limit, std::sqrt(4.0 * settings_.braking_mps2 * std::max(0.0, *free_m_)));
   }
   speed_mps_ = std::min({limit, speed_mps_ + settings_.acceleration_mps2 * step_s,

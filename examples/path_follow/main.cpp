@@ -1,6 +1,6 @@
 // path_follow: a field program. It knows wires only: NMEA on a serial line, J1939 and ISO 11783
-// frames on CAN, a lidar's packets on UDP. Whether a real vehicle or an emulated one is at the
-// other ends, it cannot tell.
+// frames on CAN, a lidar's packets on UDP. It cannot distinguish a real vehicle from an emulated
+// one at the other ends.
 #include <boost/asio/io_context.hpp>
 #include <string>
 

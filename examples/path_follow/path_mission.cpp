@@ -13,7 +13,7 @@ namespace {
 constexpr double kHaltBrake_mps2 = 2.5;
 constexpr double kHoldBrake_mps2 = 1.5;
 constexpr double kAtRest_mps = 0.1;
-/// What stands in the way for so long is not somebody who walks past.
+/// An obstacle that stays for so long is not a person who walks past.
 constexpr double kPatience_s = 3.0;
 
 }  // namespace

@@ -14,7 +14,7 @@ struct PathMissionSettings {
   std::optional<int> gear;                  ///< Nothing: chosen for the cruise speed.
   std::optional<double> start_heading_rad;  ///< Nothing: along the path.
   WayWatchSettings way;
-  double keep_m = 2.0;  ///< Between the vehicle's front and what stands in its way.
+  double keep_m = 2.0;  ///< Between the vehicle's front and an obstacle.
 };
 
 class PathMission final : public field::Mission {
@@ -42,7 +42,7 @@ class PathMission final : public field::Mission {
   double wish_mps_ = 0.0;
   WayWatch way_;
   field::Pose pose_;
-  double blocked_s_ = 0.0;  ///< So long at rest before what stands in the way.
+  double blocked_s_ = 0.0;  ///< Time at rest before an obstacle.
   field::StuckWatch stuck_{0.1};
   field::SpinWatch spin_;
   double last_curvature_1pm_ = 0.0;

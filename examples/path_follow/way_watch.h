@@ -1,12 +1,12 @@
-// What stands in the way, by what a lidar shows of the ground ahead.
+// Obstacles on the way, from the lidar points of the ground ahead.
 //
 // Points of a revolution are sorted into upright columns of 0.25 m. A column whose points are 0.5 m
-// apart in height or more, none of them counted above `highest_m`, is a thing that stands: slopes
-// and waves of the ground are not as steep, and crowns overhead do not count. A thing is in the way
-// when it stands within half a width of the line that the vehicle will follow: the path, and until
-// it is back on it, beside it. Two revolutions in a row make it believed, or gone; but what was
-// seen and has come nearer than `blind_m` is remembered until it is passed: a lidar on the roof
-// looks over it there.
+// apart in height or more, none of them counted above `highest_m`, is an obstacle: slopes and waves
+// of the ground are not as steep, and crowns overhead do not count. An obstacle is in the way when
+// it is within half a width of the line that the vehicle will follow: the path, and until it is
+// back on it, beside it. Two revolutions in a row confirm it, or clear it; but one that was seen
+// and has come nearer than `blind_m` is remembered until it is passed, because a lidar on the roof
+// sees over it there.
 //
 // Knows neither wires nor clocks.
 #pragma once

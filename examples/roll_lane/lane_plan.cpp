@@ -60,7 +60,7 @@ double LanePlan::lane_y_m(int leg) const {
 
 double LanePlan::crab_rad(int leg) const {
   if (leg < 0) {
-    return 0.0;  // the machine stands straight before the first lane
+    return 0.0;  // no crab angle before the first lane
   }
   return settings_.crab_angle_rad() * (leg % 2 == 0 ? 1.0 : -1.0);
 }

@@ -1,9 +1,9 @@
 // Lanes side by side, rolled to and fro in crab offset: what is wanted where.
 //
-// Frame of the lanes: x along the first lane's direction from where the machine stands at the
-// beginning, y left. Forward on the first lane, back on the second, and so on. On each leg the
-// first `transition_m` lead over from the last lane to its own and from one crab side to the other,
-// as smooth as a machine can follow that steers at a standstill only little.
+// Frame of the lanes: x along the first lane's direction from the machine's initial position, y
+// left. Forward on the first lane, back on the second, and so on. On each leg the first
+// `transition_m` lead over from the last lane to its own and from one crab side to the other, as
+// smooth as a machine can follow that steers at a standstill only little.
 #pragma once
 
 namespace rigwire::roll_lane {

@@ -1,5 +1,5 @@
 // roll_lane: a field program. It knows wires only: NMEA on a serial line, J1939 and ISO 11783
-// frames on CAN. Whether a real roller or an emulated one is at the other ends, it cannot tell.
+// frames on CAN. It cannot distinguish a real roller from an emulated one at the other ends.
 #include <boost/asio/io_context.hpp>
 #include <optional>
 #include <string>

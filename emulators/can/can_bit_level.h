@@ -148,7 +148,7 @@ class CanBitLevel {
 
   /// Room for so many nodes.
   void reserve(std::size_t nodes);
-  /// Begins an attempt; then add everybody who takes part, transmitters first. Nothing happens
+  /// Begins an attempt; then add every node that takes part, transmitters first. Nothing happens
   /// before `first_bit`, up to which all transmitters send the same.
   void begin(const CanLineState& line, unsigned first_bit);
   void add_transmitter(CanController& node, const protocols::can::Frame& frame);

@@ -12,7 +12,7 @@
 //   255       when its event timer elapses
 // and in the last two cases also when the node becomes operational; what a write to the dictionary
 // makes due follows its answer. Inhibit times hold. Node guarding, remote requests, receive PDOs
-// and block transfer are not there.
+// and block transfer are not supported.
 //
 // A node that is slow sends a share of its PDOs; what it leaves out of those sent on a change goes
 // with the next look at it. A node that refuses aborts whatever an SDO would write with 0x08000022,

@@ -63,7 +63,7 @@ void StreamChannel::offer(SimTime now, std::span<StreamBlock> blocks) {
   const std::uint64_t number = next_number_;
   next_number_ += blocks.size();
   if (waiting_exposures() >= capacity_.queued) {
-    // A gap in the numbers: what is kept is older and stays for those who ask for it.
+    // A gap in the numbers: what is kept is older and stays available for resend requests.
     counters_.lost_blocks += blocks.size();
     return;
   }

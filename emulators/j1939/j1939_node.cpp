@@ -136,7 +136,7 @@ J1939Reception J1939Node::dispatch(SimTime now, const j1939::Identifier& identif
       return receive_request(now, identifier, frame);
     case j1939::kTransportManagementPgn:
     case j1939::kTransportDataPgn: {
-      // A node without an address still listens to everybody's messages, for commanded addresses.
+      // A node without an address still receives messages to all nodes, for commanded addresses.
       const bool to_everybody = identifier.destination == j1939::kGlobalAddress;
       if (!to_everybody && !is_for_us(identifier.destination)) {
         return J1939Reception::ignored;

@@ -19,9 +19,8 @@
 // request to send over 1785 bytes                  abort, too long
 // announcement, source has one open                begins anew
 // a packet that was there already                  left out
-// a packet left out                                broadcast: session ends. Addressed: the portion
-// is
-//                                                  asked for again from there, twice at most
+// a packet left out                                broadcast: session ends. Addressed: a portion
+//                                                  is requested again from there, at most twice
 // a number beyond the portion, or 0                broadcast: session ends. Addressed: abort, bad
 //                                                  sequence
 // no packet for 750 ms (T1; first one of a         broadcast: session ends. Addressed: abort,

@@ -78,7 +78,7 @@ class ModbusRtuServer final : public SerialDevice, private RtuListener {
   ResponseDelay delay_;
   RtuFramer framer_;
   ModbusAnswer answer_;
-  std::uint32_t client_baud_ = 0;  ///< 0: not known, taken for ours.
+  std::uint32_t client_baud_ = 0;  ///< 0: not known, taken as the server's.
   std::uint64_t answers_sent_ = 0;
 };
 

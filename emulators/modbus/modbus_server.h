@@ -111,7 +111,7 @@ class ModbusServer {
   /// is closed.
   void half_closed(SimTime now, ConnectionId connection);
 
-  /// Hands over what is due until `now`, and closes who has been idle.
+  /// Hands over what is due until `now`, and closes idle connections.
   void advance(SimTime now);
   [[nodiscard]] SimTime next_event() const;
 

@@ -65,7 +65,7 @@ class RtuFramer {
   void advance(SimTime now);
   [[nodiscard]] SimTime next_event() const;
 
-  /// End of the last byte on the line, ours or the client's.
+  /// End of the last byte on the line, the server's or the client's.
   [[nodiscard]] SimTime line_free() const;
 
  private:

@@ -14,7 +14,7 @@ namespace rtcm3 = protocols::rtcm3;
 
 constexpr std::int64_t kDay_ms = 86'400'000;
 constexpr std::int64_t kWeek_ms = 7 * kDay_ms;
-/// A station whose clock is ahead of ours by more is not believed.
+/// The corrections of a station whose clock is ahead of the receiver's by more are rejected.
 constexpr Duration kAhead = std::chrono::milliseconds{100};
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 

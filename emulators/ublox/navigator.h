@@ -57,7 +57,7 @@ class UbloxNavigator {
     powered_ = now;
     security_.restart();
   }
-  /// Begins to look for satellites. The first time the settings' time to first fix counts; later
+  /// Begins to search for satellites. The first time the settings' time to first fix counts; later
   /// what is remembered decides.
   void begin(SimTime now, const UbloxMemory& memory, const UbloxConfiguration& configuration);
 
@@ -67,7 +67,7 @@ class UbloxNavigator {
   /// What the settings ask of the engine.
   [[nodiscard]] GnssCommand command(const UbloxConfiguration& configuration) const;
 
-  /// After take(): whom the corrections of the solution are of, by code or carrier.
+  /// After take(): the source of the solution's corrections, by code or carrier.
   void set_base(const std::optional<UbloxBase>& base) {
     if (base && solution_.differential && solution_.sample != nullptr) {
       solution_.differential_age_s = solution_.sample->differential_age_s;

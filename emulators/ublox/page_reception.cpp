@@ -135,7 +135,7 @@ std::optional<ReceivedPage> glonass_page(const GpsNavigation& navigation, std::u
     return std::nullopt;
   }
   const std::int64_t frame_s = own_s - of_frame_s;
-  // Days since the one that the set's middle is in: a frame of the evening may speak of tomorrow.
+  // Days since the one that the set's middle is in: a frame of the evening may refer to tomorrow.
   const auto of_day_s = static_cast<std::uint32_t>(frame_s % kDay_s);
   constexpr std::int64_t kHalfDay_s = kDay_s / 2;
   const bool tomorrow = of_day_s - std::int64_t{sent->time_of_day_s} > kHalfDay_s;

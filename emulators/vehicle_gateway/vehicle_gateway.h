@@ -1,7 +1,7 @@
 // The vehicle gateway: the one J1939 node through which a field controller drives a wheeled machine
 // or a roller and receives what its sensors read.
 //
-// No maker's device, but what such a node speaks: the messages of SAE J1939-71 and ISO 11783-7 for
+// No maker's device, but the messages of such a node: those of SAE J1939-71 and ISO 11783-7 for
 // engine, gearbox, brakes, wheels, steering and tyres, and one proprietary message each way
 // (protocols/vehicle/). docs/devices/vehicle-gateway.md has the bytes, periods, time-outs and known
 // deviations; control.h says what requests and silence do, report.h what is sent, VehicleSatellites

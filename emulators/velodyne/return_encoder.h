@@ -3,7 +3,8 @@
 //
 // Reflectivity: VLP-16 user's manual 63-9243 Rev. D, section 6.1 "calibrated reflectivity" (0 ..
 // 100 diffuse, 101 .. 255 retro-reflectors, 255 ideal); VLS-128 manual (0 .. 110, 111 .. 255). How
-// the retro part is divided is ours: linear in how near the reflector is to an ideal one.
+// the retro part is divided is this project's choice: linear in how near the reflector is to an
+// ideal one.
 #pragma once
 
 #include <array>

@@ -13,7 +13,8 @@
 //
 // Sources: HDL-32E user's manual 63-9113 Rev. E and H, "GPS and PPS" (20 to 200 ms of pulse, 50 to
 // 500 ms of pause, 9600 baud); VLP-16 user's manual 63-9243 Rev. D, pulse and receiver qualifiers.
-// The 1.5 s, and what counts as an error, are ours: the manuals only name the states.
+// The 1.5 s, and what counts as an error, are this project's choice: the manuals only name the
+// states.
 #pragma once
 
 #include <cstdint>

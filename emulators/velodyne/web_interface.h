@@ -1,6 +1,6 @@
 // The web interface of a Velodyne sensor: what it answers to HTTP requests.
 //
-//   GET   /                       a page of our own with the sensor's settings as forms
+//   GET   /                       this project's page with the sensor's settings as forms
 //   GET   /cgi/settings.json, status.json, diag.json, info.json, snapshot.hdl
 //   POST  /cgi/setting            laser=on|off, returns=Strongest|Last|Dual, rpm=0|300..1200
 //   POST  /cgi/setting/fov        start=, end=: 0..359 degrees

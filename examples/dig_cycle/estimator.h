@@ -62,7 +62,7 @@ struct Belief {
   PerJoint angles_rad{};
   PerJoint rates_radps{};
   double chassis_pitch_rad = 0.0;
-  bool ready = false;  ///< Every sensor has spoken.
+  bool ready = false;  ///< Every sensor has sent data.
 };
 
 class Estimator {

@@ -40,11 +40,11 @@ class SensorWatch {
   static std::chrono::milliseconds limit(Sensor sensor);
 
   void heard(Sensor sensor, Instant now) { watch_.heard(static_cast<std::size_t>(sensor), now); }
-  /// The first sensor that has spoken and has been silent for longer than its limit.
+  /// The first sensor that has sent data and has been silent for longer than its limit.
   [[nodiscard]] std::optional<Sensor> silent(Instant now) const;
-  /// Every sensor has spoken and none is silent.
+  /// Every sensor has sent data and none is silent.
   [[nodiscard]] bool all_alive(Instant now) const { return watch_.all_alive(now); }
-  /// Names of those that have never spoken or are silent, comma-separated.
+  /// Names of those that have never sent data or are silent, comma-separated.
   [[nodiscard]] std::string absent(Instant now) const { return watch_.absent(now); }
 
  private:

@@ -71,7 +71,7 @@ struct GigeClientCounters {
   std::uint64_t sessions = 0;  ///< How often a stream was begun.
   std::uint64_t losses = 0;    ///< Sessions that ended by themselves.
   std::uint64_t repeated = 0;  ///< Commands that were sent again.
-  std::uint64_t refused = 0;   ///< Datagrams on the control channel that are no answer of ours.
+  std::uint64_t refused = 0;   ///< Datagrams on the control channel that answer no request.
 };
 
 class GigeClient {
@@ -103,7 +103,7 @@ class GigeClient {
 
   GigeClient(GigeClientSettings settings, const Local& local, Handlers handlers);
 
-  /// Asks and listens from now on.
+  /// Sends requests and receives from now on.
   void start(Instant now);
   /// Ends acquisition and stream and releases the camera: three commands whose answers are not
   /// awaited.

@@ -72,7 +72,7 @@ class PoseEstimator {
   [[nodiscard]] double bias_radps() const { return x_[kBias]; }
   /// Way over ground by way of the wheels, less 1.
   [[nodiscard]] double scale_error() const { return x_[kScale]; }
-  /// Fixes and courses that were too far off to be believed.
+  /// Fixes and courses rejected as too far off.
   [[nodiscard]] std::uint64_t rejected() const { return rejected_; }
 
  private:

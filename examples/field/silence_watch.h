@@ -24,11 +24,11 @@ class SilenceWatch {
   explicit SilenceWatch(std::vector<Device> devices);
 
   void heard(std::size_t device, Instant now) { last_[device] = now; }
-  /// The first device that has spoken and has been silent for longer than its limit.
+  /// The first device that has sent data and has been silent for longer than its limit.
   [[nodiscard]] std::optional<std::size_t> silent(Instant now) const;
-  /// Every device has spoken and none is silent.
+  /// Every device has sent data and none is silent.
   [[nodiscard]] bool all_alive(Instant now) const;
-  /// Names of those that have never spoken or are silent, comma-separated.
+  /// Names of those that have never sent data or are silent, comma-separated.
   [[nodiscard]] std::string absent(Instant now) const;
   [[nodiscard]] std::string_view name(std::size_t device) const { return devices_[device].name; }
 

@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 namespace gev = protocols::gige_vision;
 
 constexpr auto kTick = 100ms;
-/// A camera that is silent for so long is spoken of.
+/// A camera that is silent for so long is reported.
 constexpr auto kSilence = 5s;
 /// The camera has settled when the exposures of so many pictures are within this share.
 constexpr std::size_t kSettledPictures = 4;

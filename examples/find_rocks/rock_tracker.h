@@ -1,4 +1,5 @@
-// Rocks over pictures: the same rock keeps its number, and what is seen once is not believed.
+// Rocks over pictures: the same rock keeps its number, and a rock that is seen only once is not
+// reported.
 //
 // A rock of a new picture belongs to the nearest one that is known, within what its place may err
 // by; each to one. The machine may be at rest or creep: where the camera turns or drives by more

@@ -11,7 +11,7 @@
 namespace rigwire::path_follow {
 namespace {
 
-/// A standing vehicle needs a wish above this to begin.
+/// A standing vehicle needs a desired speed above this to begin.
 constexpr double kLeastSpeed_mps = 0.5;
 /// The path is done when less than this is left.
 constexpr double kArrived_m = 0.4;

@@ -67,7 +67,7 @@ class Follower {
   double along_m_ = 0.0;
   double travelled_m_ = 0.0;
   double offset_m_ = 0.0;
-  double speed_mps_ = 0.0;  ///< Last wish.
+  double speed_mps_ = 0.0;  ///< Last desired speed.
   std::optional<double> free_m_;
   bool done_ = false;
   bool off_path_ = false;

@@ -66,7 +66,7 @@ class WayWatch {
   std::vector<Column> columns_;
   std::optional<Obstruction> believed_;
   double believed_at_m_ = 0.0;  ///< Value of the follower's way at which the front would touch it.
-  int in_a_row_ = 0;            ///< Successive revolutions that contradict what is believed.
+  int in_a_row_ = 0;            ///< Successive revolutions that contradict the present result.
 };
 
 }  // namespace rigwire::path_follow

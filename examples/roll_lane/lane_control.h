@@ -56,7 +56,7 @@ class LaneControl {
   double direction_rad_ = 0.0;
   int leg_ = 0;
   double rest_s_ = 0.0;
-  double speed_mps_ = 0.0;  ///< Last wish, without sign.
+  double speed_mps_ = 0.0;  ///< Last desired speed, without sign.
   double x_m_ = 0.0;
   double offset_m_ = 0.0;
   bool arrived_ = false;

@@ -16,7 +16,7 @@
 //   0x00000200 counters             d6 transmit, d7 receive
 //
 // A CRC error has no type in d2: d3 is the CRC sequence (0x08), as the kernel's drivers do it.
-// Classes 0x01 (transmit time-out) and 0x10 (transceiver) belong to no report of ours.
+// Classes 0x01 (transmit time-out) and 0x10 (transceiver) belong to no report of this project.
 #pragma once
 
 #include <array>

@@ -43,7 +43,7 @@ struct Defect {
   std::size_t signal = 0;
 };
 
-/// Whether `signal` depends on itself, or on a signal that is not there.
+/// Whether `signal` depends on itself, or on a signal that does not exist.
 template <class Keep>
 [[nodiscard]] constexpr bool is_lost(const BasicMessage<Keep>& message, std::size_t signal) {
   for (std::size_t steps = 0; signal < message.signals.size(); ++steps) {

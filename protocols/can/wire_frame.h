@@ -1,7 +1,7 @@
 // A frame as the levels on the wire, bit by bit, and what each of them belongs to.
 //
 // Source: ISO 11898-1:2015, 10.4 (frame formats), 10.5 (bit stuffing). Recessive is true. For what
-// happens within a frame: errors, collisions. Who only wants its length asks bits.h, which is much
+// happens within a frame: errors, collisions. For its length alone use bits.h, which is much
 // quicker.
 #pragma once
 

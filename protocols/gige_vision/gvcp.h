@@ -216,7 +216,7 @@ struct RegisterValue {
 
 // --- Acknowledges. ---
 
-/// Returns an acknowledge to be filled by the caller, who then calls finish().
+/// Returns an acknowledge to be filled by the caller, which then calls finish().
 [[nodiscard]] GvcpPacket begin_acknowledge(Status status, std::uint16_t acknowledge,
                                            std::uint16_t request);
 /// Returns an acknowledge without payload.

@@ -112,7 +112,7 @@ void put_channel(Bytes& out, const Channel& channel) {
   put<std::uint32_t>(out, 0);  // no metadata
 }
 
-/// Reads from the front; ok() reports once whether anything was missing.
+/// Reads from the front. After all reads, ok() reports whether anything was missing.
 class Cursor {
  public:
   explicit Cursor(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}

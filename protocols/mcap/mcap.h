@@ -72,7 +72,7 @@ struct Message {
 /// bytes.
 class Writer {
  public:
-  /// `library`: who writes.
+  /// `library`: name of the writer.
   explicit Writer(std::string_view library);
 
   /// Returns its number.

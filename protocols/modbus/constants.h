@@ -10,7 +10,7 @@
 
 namespace rigwire::protocols::modbus {
 
-/// The functions that this code speaks (V1.1b3, section 5.1).
+/// The functions that this code supports (V1.1b3, section 5.1).
 enum class Function : std::uint8_t {
   read_coils = 1,
   read_discrete_inputs = 2,
@@ -73,7 +73,8 @@ enum class Table : std::uint8_t { coils, discrete_inputs, holding_registers, inp
 inline constexpr std::uint16_t kCoilOn = 0xFF00;
 inline constexpr std::uint16_t kCoilOff = 0x0000;
 
-/// Function 43: the only encapsulated interface spoken here, device identification (section 6.21).
+/// Function 43: the only encapsulated interface supported here, device identification (section
+/// 6.21).
 inline constexpr std::uint8_t kDeviceIdentificationInterface = 14;
 
 }  // namespace rigwire::protocols::modbus

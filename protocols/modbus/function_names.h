@@ -1,4 +1,4 @@
-// What the functions are called, for people who read requests and answers.
+// Names of the functions, for viewers of requests and answers.
 //
 // Source: MODBUS Application Protocol Specification V1.1b3, section 6 (names, and what follows the
 // function code).

@@ -166,7 +166,7 @@ struct WriteManyResponse {
   std::uint16_t quantity = 0;
   friend bool operator==(const WriteManyResponse&, const WriteManyResponse&) = default;
 };
-/// Function 17: what it holds is the device's own affair; ours is an identifier text followed by
+/// Function 17: what it holds is the device's own affair; here it is an identifier text followed by
 /// the run indicator (FF on, 00 off).
 struct ServerIdResponse {
   std::array<std::uint8_t, kPduMaximum - 2> data{};
@@ -244,7 +244,7 @@ struct Refusal {
 //
 // Source: V1.1b3, sections 6.7 to 6.9; order of the checks of function 8 after figure 18 there:
 // sub-function (01), then data (03). Sub-function 03 (delimiter of the ASCII mode) and function 12
-// (event log) are not spoken. ---
+// (event log) are not supported. ---
 inline constexpr std::uint8_t kReadExceptionStatus = 7;
 inline constexpr std::uint8_t kDiagnostics = 8;
 inline constexpr std::uint8_t kGetCommEventCounter = 11;

@@ -1,4 +1,4 @@
-// What the fields of a sentence are called, for people who read one.
+// Names of the fields of a sentence, for viewers.
 //
 // Source: u-blox M8 receiver description, UBX-13003221 R28, sections 31.2.1 to 31.2.17; fields that
 // came with version 4.10 (GSA and GSV: system and signal, RMC: status) are there too.

@@ -1,5 +1,5 @@
 // NTRIP, by which casters hand RTCM streams to their clients: what a client asks, the source table,
-// and how a stream begins. Versions 1 and 2 differ in their heads; which one a client speaks, its
+// and how a stream begins. Versions 1 and 2 differ in their heads; which one a client uses, its
 // header Ntrip-Version says.
 //
 // Sources: RTCM 10410.1 (version 2.0) and the open description of version 1.0 (BKG), as str2str of

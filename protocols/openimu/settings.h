@@ -186,7 +186,7 @@ struct Setting {
                                                  std::uint8_t requester,
                                                  const CommandMap& map = kDeliveredCommands);
 
-/// The answer to reset and save: 1, who asked, 0 failed or 1 done.
+/// The answer to reset and save: 1, the requester, 0 failed or 1 done.
 [[nodiscard]] can::Frame make_outcome(SettingKind kind, std::uint8_t source, std::uint8_t requester,
                                       bool done, const CommandMap& map = kDeliveredCommands);
 

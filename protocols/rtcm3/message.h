@@ -186,7 +186,8 @@ struct MultipleSignals {
   friend bool operator==(const MultipleSignals&, const MultipleSignals&) = default;
 };
 
-/// 4072 subtype 0, in a form of our own: where a base is that moves, and how fast, at its epoch.
+/// 4072 subtype 0, in this project's own form: where a base is that moves, and how fast, at its
+/// epoch.
 struct MovingBase {
   std::uint16_t station = 0;
   std::uint32_t time_of_week_ms = 0;     ///< GPS.

@@ -1,4 +1,4 @@
-// CAN over TCP as the daemon socketcand speaks it: elements of ASCII between < and >.
+// CAN over TCP in the protocol of the daemon socketcand: elements of ASCII between < and >.
 //
 // Sources: linux-can/socketcand, doc/protocol.md, and where it is silent the daemon itself (version
 // of May 2025: socketcand.c, state_nobus.c, state_bcm.c, state_raw.c, state_control.c).

@@ -76,7 +76,7 @@ using Request = std::variant<DeviceListRequest, ImportRequest>;
 /// Encodes the refusal when the device is not there or in use.
 [[nodiscard]] std::array<std::uint8_t, kOperationHeaderSize> encode_import_refusal();
 
-/// The client's side. At most kListMaximum devices are believed.
+/// The client's side. At most kListMaximum devices are accepted.
 inline constexpr std::uint32_t kListMaximum = 4096;
 [[nodiscard]] Decoded<std::vector<ListedDevice>> decode_device_list(
     std::span<const std::uint8_t> bytes);

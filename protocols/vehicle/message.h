@@ -271,7 +271,7 @@ template <class Message>
 }
 
 /// Malformed unless the frame is a 29-bit data frame of that group with eight bytes. Numbers that
-/// are none: kError, kNotAvailable. Who sent it and to whom: j1939::identify.
+/// are none: kError, kNotAvailable. Source and destination: j1939::identify.
 template <class Message>
 [[nodiscard]] Decoded<Message> decode(const can::Frame& frame,
                                       std::uint32_t pgn = Message::kGroup.pgn) {

@@ -75,7 +75,8 @@ struct Recognition {
 };
 
 /// From flags and product id. In doubt: HDL-64E (S2 or S3 is decided by the status channel, not by
-/// one packet), 0x23 (VLP-32A or VLP-32B), no product id (old firmware), ids and flags at odds.
+/// one packet), 0x23 (VLP-32A or VLP-32B), no product id (old firmware), ids and flags that
+/// contradict each other.
 [[nodiscard]] Recognition recognize(const DataPacket& packet);
 
 /// From the first factory byte, 0 of old firmware counting as strongest. An HDL-64E has no such

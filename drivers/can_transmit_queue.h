@@ -1,11 +1,11 @@
 // What to do with a frame that a CAN socket does not take.
 //
-// - ENOBUFS (the interface's own queue, often of ten frames, is full): the frame waits here, those
-//   after it behind it, and the owner tries again by a timer. That the socket is writable means
-//   nothing: its buffer is far larger than the interface's queue.
+// - ENOBUFS (the interface's own queue, often of ten frames, is full): the frame and those after it
+//   wait here, and the owner retries by a timer. A writable socket means nothing: its buffer is far
+//   larger than the interface's queue.
 // - ENETDOWN, ENETUNREACH (interface down, or its bus off): this frame and all that wait are lost;
 //   after an interruption they would be stale.
-// - ENXIO, ENODEV (interface removed): likewise, and the interface is gone.
+// - ENXIO, ENODEV (interface removed): all these frames are lost, and the interface is gone.
 // - EPERM (listen-only interface) and everything else: the frame is lost.
 //
 // Every loss is counted by its reason. Source: Linux 6.1, net/can/af_can.c, can_send;

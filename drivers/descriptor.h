@@ -1,5 +1,5 @@
 // A file descriptor that closes itself, for set-up that can fail half-way and for short probes.
-// Descriptors that live on belong to Asio's objects.
+// Asio's objects own the descriptors that live longer.
 #pragma once
 
 #include <unistd.h>

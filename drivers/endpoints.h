@@ -3,9 +3,9 @@
 // twin with the same behaviour, so that deterministic tests need no system.
 //
 // All endpoints belong to one Asio io_context and are used from the thread that runs it. Received
-// data and news of clients are handed on from within io_context::poll()/run() only. Writing
+// data and changes of clients are delivered from within io_context::poll()/run() only. Writing
 // never blocks: what the system does not take at once is refused and reported, and the caller
-// counts it. Opening throws EndpointError with the address, what was tried and how to mend it.
+// counts it. Opening throws EndpointError with the address, what was tried and the remedy.
 #pragma once
 
 #include <chrono>
@@ -21,7 +21,8 @@
 
 namespace rigwire::drivers {
 
-/// Opening an endpoint failed. what() names the address, the system's reason and the mend.
+/// Thrown when opening an endpoint failed. what() names the address, the system's reason and the
+/// remedy.
 class EndpointError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -30,8 +31,8 @@ class EndpointError : public std::runtime_error {
 /// What a status table shows of an endpoint.
 struct EndpointStatus {
   std::string address;          ///< What a client opens: "/tmp/rigwire/gnss", "udp 127.0.0.1:2368".
-  bool client_present = false;  ///< Somebody has it open, is connected, or has answered.
-  /// Programs that share a line with one plug; 0: not known, or nobody (drivers/line_watch.h).
+  bool client_present = false;  ///< A client has it open, is connected, or has answered.
+  /// Programs that have a serial line open; 0: none, or not known (drivers/line_watch.h).
   unsigned readers = 0;
   unsigned further_ports = 0;  ///< Open beside `address`, under its name with ".1", ".2" ...
   std::uint64_t cut_off = 0;   ///< Clients that a stream server closed since they did not read.
@@ -39,8 +40,9 @@ struct EndpointStatus {
 
 /// The far end of a serial line.
 struct LineClient {
-  bool present = false;    ///< Somebody has the line open.
-  std::uint32_t baud = 0;  ///< The speed that its end is set to, bit/s; 0 while nobody is there.
+  bool present = false;  ///< A client has the line open.
+  /// The speed that the client's end is set to, bit/s; 0 while no client is present.
+  std::uint32_t baud = 0;
 
   friend bool operator==(const LineClient&, const LineClient&) = default;
 };
@@ -52,9 +54,9 @@ class ByteStream {
   using ClientWatcher = std::function<void(const LineClient&)>;
   virtual ~ByteStream() = default;
   virtual void start(Receiver receiver) = 0;
-  /// From start() on, `watcher` hears of every change of the far end, beginning with the first that
-  /// is not "nobody there". Bytes that a client wrote are received after its presence and speed
-  /// were told. To be called before start(). Streams that have no such end never call it.
+  /// From start() on, calls `watcher` for every change of the far end, beginning with the first
+  /// state in which a client is present. Presence and speed are reported before the bytes that the
+  /// client wrote. To be called before start(). Streams without a far end never call `watcher`.
   virtual void on_client(ClientWatcher /*watcher*/) {}
   /// Returns how many of the bytes were taken. Bytes offered while no client has the stream open
   /// are taken and forgotten, as on a line with nothing plugged in.
@@ -87,7 +89,7 @@ class DatagramSocket {
   [[nodiscard]] virtual EndpointStatus status() const = 0;
 };
 
-/// One UDP port that answers whoever asks.
+/// One UDP port that receives from any sender and can answer each.
 class DatagramPort {
  public:
   using Peer = IpEnd;
@@ -113,9 +115,9 @@ struct CanClient {
   friend bool operator==(const CanClient&, const CanClient&) = default;
 };
 
-/// A CAN bus as one node sees it. An end that is an adapter (slcan, gs_usb) stands for the client's
-/// controller: what the client asks of that controller comes by on_client(), and what happens to it
-/// on the bus goes back by confirm() and report().
+/// A CAN bus as one node sees it. An endpoint that is an adapter (slcan, gs_usb) represents the
+/// client's controller: on_client() reports what the client asks of that controller; confirm() and
+/// report() pass back what happens to it on the bus.
 class CanBus {
  public:
   using Receiver = std::function<void(const protocols::can::Frame&)>;
@@ -123,9 +125,9 @@ class CanBus {
   using Stamp = std::chrono::nanoseconds;  ///< Simulated time since the start of the run.
   virtual ~CanBus() = default;
   virtual void start(Receiver receiver) = 0;
-  /// From start() on, `watcher` hears of every change of the client, beginning with the first that
-  /// differs from CanClient{}. To be called before start(). Ends that cannot know never call it:
-  /// the client of those is always there, at the bus's rate.
+  /// From start() on, calls `watcher` for every change of the client, beginning with the first
+  /// state that differs from CanClient{}. To be called before start(). Endpoints that cannot
+  /// observe their client never call it: that client is always present, at the bus's rate.
   virtual void on_client(ClientWatcher /*watcher*/) {}
   /// False when the frame could not be queued (ENOBUFS, line full). Frames offered while no client
   /// listens are taken and forgotten.

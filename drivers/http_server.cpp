@@ -42,7 +42,7 @@ using AnySocket = asio::generic::stream_protocol::socket;
 
 namespace {
 
-/// The server's own answer to what is no request; nothing when there is nobody to answer.
+/// The server's own answer to a malformed request; nothing when no client is left to answer.
 std::optional<HttpResponse> complaint(const error_code& error) {
   if (error.category() != make_error_code(http::error::bad_method).category() ||
       error == http::error::end_of_stream || error == http::error::partial_message) {
@@ -133,7 +133,7 @@ class HttpServer::Socket : public WebSocket, public std::enable_shared_from_this
 
   void close() override { end(); }
 
-  /// Ends the connection now; its owner is told.
+  /// Ends the connection now and calls the owner's `closed`.
   void end() {
     if (std::exchange(ended_, true)) {
       return;
@@ -144,7 +144,7 @@ class HttpServer::Socket : public WebSocket, public std::enable_shared_from_this
     if (owner_.closed && !server_->stopped) {
       owner_.closed();
     }
-    // Its owner may be the one that is just called.
+    // The owner may be the caller, so that it is released later.
     asio::post(stream_.get_executor(), [self = shared_from_this()] { self->forget_owner(); });
     std::erase(server_->web_sockets, shared_from_this());
   }
@@ -210,7 +210,7 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
         buffer_(server_->settings.header_bytes + kSlack) {}
 
   [[nodiscard]] std::chrono::steady_clock::time_point heard() const { return heard_; }
-  /// Whether its request is at the handler, and somebody waits for the answer.
+  /// Whether its request is at the handler and the client still waits for the answer.
   [[nodiscard]] bool waits_for_answer() const { return asked_ && !sends_no_more_; }
   /// Whether its client may have gone while its request is at the handler.
   [[nodiscard]] bool may_have_gone() const { return asked_ && sends_no_more_; }
@@ -247,7 +247,7 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   static constexpr std::size_t kSlack = 4096;
   /// Bytes of a request that was refused, read on so that its sender sees the answer.
   static constexpr std::size_t kDrained = std::size_t{1} << 20U;
-  /// How often a connection is looked at while it waits for one answer.
+  /// Maximum number of times that one waiting connection is checked.
   static constexpr unsigned kMaxLooks = 8;
 
   [[nodiscard]] bool expects_continue() const {
@@ -337,8 +337,8 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
       return;
     }
     sends_no_more_ = size == 0;
-    // Neither the end nor a next request is read here: only what ends the connection is news.
-    // Urgent bytes, which nobody reads, would be news for ever.
+    // Neither the end nor a next request is read here: only what ends the connection matters.
+    // Urgent bytes, which no handler reads, would otherwise wake this up for ever.
     if (++looks_ < kMaxLooks) {
       watch(size < 0 ? AnySocket::wait_read : AnySocket::wait_error);
     }
@@ -471,7 +471,7 @@ void HttpServer::State::listen_at_path() {
   Local::acceptor opened(acceptor.get_executor());
   error_code error;
   opened.open(Local(), error);
-  // Before it is bound: nobody else may connect even for a moment.
+  // Set before bind(), so that no other user can connect even for a moment.
   if (!error && ::fchmod(opened.native_handle(), S_IRUSR | S_IWUSR) != 0) {
     error = {errno, boost::system::system_category()};
   }

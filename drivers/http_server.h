@@ -2,22 +2,22 @@
 //
 // Loopback only, unless the settings opt in to more, or a socket in the file system, which its
 // owner alone can open. Connections stay open between requests when the client wants it; requests
-// that come before their predecessor's answer wait in the system. A client that stops half-way
-// through a request, or does not read its answer, is closed after a while; nothing waits for it
-// meanwhile. When all places are taken, a newcomer gets the place of the client that has been
+// requests that come before their predecessor's answer wait in the system. A client that stops
+// half-way through a request, or does not read its answer, is closed after a while; no other client
+// waits for it. When all places are taken, a newcomer gets the place of the client that has been
 // silent longest and does not wait for an answer; when all wait for one, the newcomer is closed.
 //
-// A client that goes while it waits for an answer keeps no place: its connection is closed where
-// the system says that it has gone (a Unix socket that is closed, a TCP connection that is reset).
-// A TCP client that has closed looks like one that only sends no more and still reads: it gets its
-// answer, unless a newcomer needs its place before.
+// A client that leaves while it waits for an answer keeps no place: its connection is closed when
+// the system reports that it has gone (a Unix socket that is closed, a TCP connection that is
+// reset). A TCP client that has closed looks like one that has only stopped sending and still
+// reads: it gets its answer, unless a newcomer needs its place before.
 //
-// The server itself answers what is not a request: 400 for what is no HTTP or has two Hosts, 413
-// for a body and 431 for a header beyond the limits; the connection ends then. "Expect:
-// 100-continue" is obeyed: a client that asks sends a body only when its length is within the
-// limit.
+// The server itself answers malformed requests: 400 for bytes that are not HTTP or have two Host
+// headers, 413 for a body and 431 for a header beyond the limits; the connection ends then.
+// "Expect: 100-continue" is obeyed: a client that asks sends a body only when its length is within
+// the limit.
 //
-// A connection may become a WebSocket, where somebody is there for them (on_web_socket()).
+// A connection may become a WebSocket, if a handler for them is set (on_web_socket()).
 //
 // A test without a system calls the handler; there is no twin in memory.
 #pragma once
@@ -81,7 +81,7 @@ struct HttpResponse {
 struct WebSocketAnswer {
   std::optional<HttpResponse> refusal;  ///< It stays HTTP. Nothing: it becomes one.
   std::string subprotocol;              ///< The one chosen of those offered; empty: none.
-  /// Called once with the connection, whose owner is who it returns.
+  /// Called once with the connection; returns the connection's owner.
   std::function<WebSocket::Owner(std::shared_ptr<WebSocket>)> open;
 };
 
@@ -94,8 +94,8 @@ class HttpServer {
 
   /// Binds and listens; clients are taken from start() on. Throws std::invalid_argument for a
   /// setting out of range, EndpointError when the system refuses, when the address is not loopback
-  /// without opt-in, or when another process serves the path. A socket that nobody serves any more
-  /// is taken over.
+  /// without opt-in, or when another process serves the path. A socket file that no process serves
+  /// any more is replaced.
   HttpServer(boost::asio::io_context& context, const HttpServerSettings& settings);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;

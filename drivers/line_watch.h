@@ -1,8 +1,8 @@
-// Looks after the published serial lines of an io_context, away from the thread that runs it: links
-// that somebody removed are put back, and a second program on one line is told.
+// Watches the published serial lines of an io_context, away from the thread that runs it: puts back
+// links that were removed, and reports when several programs have one line open.
 //
-// A service of the io_context: lines find it there and add themselves. Nothing is looked at before
-// start(). Deterministic for tests: look() does by hand what the thread does every period.
+// A service of the io_context: lines find it there and add themselves. Nothing is checked before
+// start(). Deterministic for tests: look() does once what the thread does every period.
 #pragma once
 
 #include <sys/types.h>
@@ -32,11 +32,11 @@ struct LineReader {
   std::string program;  ///< Name that the kernel reports, 15 characters at most.
 };
 
-/// The processes but this one that hold each of `terminals` ("/dev/pts/3") open. A process whose
-/// ancestor holds it, too, has inherited it and counts with that one. Takes milliseconds, in
-/// proportion to the descriptors that all these processes have open. Found by what /proc tells of
-/// processes: a user of his own ones only, root of all, both of those in their PID namespace; a
-/// program of another user is not seen. Linux.
+/// Returns the processes but this one that hold each of `terminals` ("/dev/pts/3") open. A process
+/// whose ancestor holds it, too, has inherited it and counts with that one. Takes milliseconds, in
+/// proportion to the descriptors that all these processes have open. Sees only the processes whose
+/// descriptors /proc shows: a user those of its own, root those of all users, both within their PID
+/// namespace; a program of another user is not seen. Linux.
 [[nodiscard]] std::vector<std::vector<LineReader>> readers_of(
     std::span<const std::string> terminals);
 
@@ -52,7 +52,7 @@ struct WatchedLine {
 class LineWatch final : public boost::asio::execution_context::service {
  public:
   using key_type = LineWatch;
-  /// Between two looks; the second reader of a line is told at most this much later.
+  /// Time between two checks; several readers of a line are reported at most this much later.
   static constexpr std::chrono::seconds kPeriod{1};
   /// Called from the watch's own thread.
   using Teller = std::function<void(const std::string& news)>;
@@ -62,10 +62,10 @@ class LineWatch final : public boost::asio::execution_context::service {
 
   /// The line that is published at `path`. Throws EndpointError.
   [[nodiscard]] std::shared_ptr<WatchedLine> add(const std::filesystem::path& path);
-  /// Begins to look, every kPeriod, until the io_context ends or stop().
+  /// Starts checking every kPeriod, until the io_context ends or stop().
   void start(Teller teller);
   void stop();
-  /// One look; what there is to tell.
+  /// Checks once; returns the messages to report.
   [[nodiscard]] std::vector<std::string> look();
 
  private:

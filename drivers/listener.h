@@ -1,5 +1,4 @@
-// What servers on TCP have in common: binding, with an error message that helps, and letting
-// clients in.
+// Common parts of TCP servers: binding, with an error message that helps, and accepting clients.
 #pragma once
 
 #include <boost/asio/error.hpp>
@@ -63,11 +62,11 @@ std::uint16_t listen_again(boost::asio::ip::tcp::acceptor& acceptor, KeptListene
                            std::string_view protocol, const std::string& address,
                            std::uint16_t port, bool allow_remote);
 
-/// What lets clients in; the base of a server's state, which the handlers that the io_context still
+/// Accepts clients; the base of a server's state, which the handlers that the io_context still
 /// holds share when the server is destroyed.
 struct Listening {
   explicit Listening(boost::asio::io_context& context) : acceptor(context), retry(context) {}
-  /// Nobody is let in any more.
+  /// Accepts no more clients.
   void stop() {
     stopped = true;
     boost::system::error_code ignored;
@@ -78,8 +77,8 @@ struct Listening {
     retry.cancel(ignored);
   }
 
-  /// When the system had no descriptors left: once, unless it is stopped before. It must be kept
-  /// alive by `then`.
+  /// Calls `then` once after 100 ms, unless stopped before: the system had no descriptors left.
+  /// `then` must keep this object alive.
   template <class Then>
   void after_a_while(Then then) {
     retry.expires_after(std::chrono::milliseconds(100));
@@ -97,8 +96,8 @@ struct Listening {
 };
 
 /// Hands one client after the other to server->admit(socket), until server->stopped. `Server` is
-/// Listening, and is kept alive meanwhile. When the system has no descriptors left it goes on every
-/// 100 ms.
+/// Listening, and is kept alive meanwhile. While the system has no descriptors left, it retries
+/// every 100 ms.
 template <class Server>
 void accept_clients(const std::shared_ptr<Server>& server) {
   server->acceptor.async_accept(

@@ -22,8 +22,8 @@ class LoopbackClaims {
   /// Address number `host`, 1 to 254, of the network: "127.70.12.1".
   [[nodiscard]] std::string address(unsigned host) const;
 
-  /// A UDP port that nobody is bound to at any address of this machine, and that nobody else is
-  /// given here. Throws EndpointError when none is found.
+  /// Returns a UDP port that no socket is bound to at any address of this machine and that no other
+  /// caller is given here. Throws EndpointError when none is found.
   [[nodiscard]] std::uint16_t datagram_port();
 
  private:

@@ -23,7 +23,8 @@ namespace {
 constexpr std::size_t kTerminalPiece = 64;
 constexpr std::chrono::milliseconds kReaderPoll{10};
 
-/// For poll(): whole milliseconds, rounded up, so that nobody turns in circles before the deadline.
+/// For poll(): whole milliseconds, rounded up, so that the caller does not spin before the
+/// deadline.
 int milliseconds_until(Output::Deadline until) {
   const auto left =
       std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());

@@ -1,5 +1,6 @@
-// What somebody else reads while a program runs: standard output and error, a FIFO, a terminal, a
-// device. Its reader may stall, close or vanish; who writes waits no longer than he says.
+// Output that another program reads while this one runs: standard output and error, a FIFO, a
+// terminal, a device. The reader may stall, close or vanish; a write waits no longer than its
+// deadline.
 //
 // A pipe's or a terminal's file description is shared with other programs (the shell that started
 // this one, the next one in the pipeline), so that O_NONBLOCK on it would change theirs. Where the
@@ -7,7 +8,7 @@
 // Where it does not, every write waits for poll() and is no longer than what is then certain to be
 // taken: PIPE_BUF bytes by a pipe (POSIX.1-2017, write() and poll()).
 //
-// SIGPIPE must be ignored by the process; a reader that closed is told as such.
+// The process must ignore SIGPIPE; WriteEnd::closed reports a reader that has closed.
 #pragma once
 
 #include <chrono>
@@ -70,9 +71,9 @@ class Output {
   Descriptor descriptor_;
 };
 
-/// Opens what is no regular file for writing (a FIFO, a terminal, a device) without waiting: a FIFO
-/// must have a reader, which is waited for until `until`. A negative descriptor with errno set when
-/// that fails; ENXIO: nobody reads it.
+/// Opens a file that is not a regular one for writing (a FIFO, a terminal, a device) without
+/// blocking: waits for the reader of a FIFO until `until`. Returns a negative descriptor with errno
+/// set on failure; ENXIO: it has no reader.
 [[nodiscard]] int open_for_reader(const std::string& path, Output::Deadline until);
 
 }  // namespace rigwire::drivers

@@ -76,7 +76,7 @@ bool clean_slave(const std::string& name, std::optional<std::uint32_t> baud = {}
     return false;
   }
   std::uint8_t waste[kReadSize];
-  // Bounded: nobody writes meanwhile, and the kernel holds less than this.
+  // Bounded: no program writes meanwhile, and the kernel holds less than this.
   for (int i = 0; i < 64 && ::read(slave.get(), waste, sizeof(waste)) > 0; ++i) {
   }
   return true;
@@ -93,7 +93,7 @@ Pty::Pty(boost::asio::io_context& context, fs::path link, std::optional<std::uin
   descriptor_ = open_master(link_);
   master_.assign(descriptor_);
   slave_name_ = name_of_slave(descriptor_);
-  // Opening and closing it once also makes the kernel report that nobody has it open.
+  // Opening and closing it once also makes the kernel report that no program has it open.
   if (slave_name_.empty() || !clean_slave(slave_name_, baud)) {
     refuse_line(link_, "cannot open the slave " + slave_name_ + ": " + reason(errno),
                 mend_of(errno, "check the permissions of /dev/pts"));
@@ -216,7 +216,7 @@ void Pty::drain_master() {
     if (count < 0 && errno == EINTR) {
       continue;
     }
-    // EIO: everything is read and nobody has the slave open.
+    // EIO: everything is read and no program has the slave open.
     const bool present = !(count < 0 && errno == EIO);
     note_presence(present);
     (void)tell_client(present);

@@ -4,16 +4,16 @@
 // - The slave is raw from the start and again whenever the last client has left. Its speed is at
 //   first the one given at construction (the device's own, so that a client that sets none is
 //   right); what a client sets stays for the next one, as on a real port.
-// - A client's presence and speed are told by on_client(), at most kPresencePeriod after they
-//   changed and always before the bytes that come with them. The kernel keeps neither character
-//   size nor parity of a pseudo-terminal, so that there is nothing to tell of them. A client that
-//   opens and closes between two looks is told only when it wrote something.
+// - on_client() reports a client's presence and speed at most kPresencePeriod after they changed
+//   and always before the bytes that come with them. The kernel keeps neither character size nor
+//   parity of a pseudo-terminal, so that neither is reported. A client that opens and closes
+//   between two checks is reported only when it wrote something.
 // - The slave has the group dialout and mode 0660 where this user may give them, as serial lines
 //   have: daemons that drop their privileges open it again.
-// - While nobody has the slave open, what is written is taken and forgotten, and what the last
-//   client left unread is thrown away: the next client starts with fresh bytes. (The kernel would
+// - While no client has the slave open, what is written is taken and discarded, and what the last
+//   client left unread is discarded: the next client starts with fresh bytes. (The kernel would
 //   keep up to 16 KiB for it.) A client that closes and another that opens within the same few
-//   milliseconds, between two looks at the line, count as one.
+//   milliseconds, between two checks of the line, count as one.
 // - Several clients at once share the bytes as the kernel deals them out.
 // - A client that left the terminal marked exclusive (TIOCEXCL without TIOCNXCL) would shut out
 //   every other: unlike on a real port the mark survives the last close. The pair is then replaced
@@ -21,9 +21,9 @@
 // - Nothing blocks. With a client that does not read, the kernel takes about 16 KiB and then
 //   refuses; write() then returns less than was offered.
 //
-// The path is a symbolic link with one owner (drivers/published_link.h). Where somebody has started
-// the io_context's LineWatch (drivers/line_watch.h), it is put back when it is removed, and
-// programs that share the line are counted (EndpointStatus::readers) and told.
+// The path is a symbolic link with one owner (drivers/published_link.h). While the io_context's
+// LineWatch (drivers/line_watch.h) runs, it puts the link back when it is removed, and counts
+// (EndpointStatus::readers) and reports the programs that share the line.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -45,7 +45,7 @@ namespace rigwire::drivers {
 
 class Pty final : public ByteStream {
  public:
-  /// How often an unused line is looked at.
+  /// Period of the check of an unused line.
   static constexpr std::chrono::milliseconds kPresencePeriod{10};
 
   /// Opens the pair and publishes the slave at `link`; its parent directories are created. An empty
@@ -73,10 +73,11 @@ class Pty final : public ByteStream {
   /// Reads what there is, then knows whether the slave is open.
   void drain_master();
   void note_presence(bool present);
-  /// Cleans the slave, or replaces the pair when nobody can open it any more.
+  /// Cleans the slave, or replaces the pair when no program can open it any more.
   void prepare_for_next_client();
   void replace_pair();
-  /// Tells the watcher what has changed. False when it has destroyed this object.
+  /// Reports a changed client to the watcher. Returns false when the watcher has destroyed this
+  /// object.
   bool tell_client(bool present);
   [[nodiscard]] bool hung_up() const;
 

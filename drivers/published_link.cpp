@@ -54,7 +54,7 @@ std::string create_folder_of(const fs::path& link) {
                : "";
 }
 
-/// What stands where the link belongs and is no leftover.
+/// An entry in the link's place that is not a leftover.
 struct Obstacle {
   std::string what;
   std::string mend;
@@ -90,8 +90,9 @@ bool is_trusted(uid_t user) {
   return user == 0 || user == ::geteuid() || user == user_behind_sudo() || user == unmapped_user();
 }
 
-/// Whether users whom nobody named could put another file in a folder in the place of one there. In
-/// a folder with the sticky bit, as /tmp, names belong to their makers.
+/// Returns whether other users can replace an entry of `folder`: it is writable by everybody, or by
+/// a group that is neither this user's nor root's. In a folder with the sticky bit, as /tmp, only
+/// an entry's owner can replace it.
 bool others_replace_in(const struct stat& folder) {
   const bool writable =
       (folder.st_mode & S_IWOTH) != 0 ||
@@ -166,8 +167,8 @@ std::optional<Obstacle> obstacle_at(const fs::path& link) {
     return Obstacle{"a link to " + target.string() + " is there, which is no pseudo-terminal",
                     "remove it or choose another path"};
   }
-  // The numbers of pseudo-terminals are used again. A terminal younger than the link is somebody
-  // else's, and the link a leftover.
+  // The numbers of pseudo-terminals are used again. A terminal younger than the link belongs to
+  // another program, and the link is a leftover.
   const auto earlier = [](const timespec& a, const timespec& b) {
     return std::pair(a.tv_sec, a.tv_nsec) < std::pair(b.tv_sec, b.tv_nsec);
   };
@@ -238,7 +239,7 @@ class PublishedLink::NameLock {
   NameLock(const NameLock&) = delete;
   NameLock& operator=(const NameLock&) = delete;
 
-  /// errno tells why it failed.
+  /// Locks the name. With Result::failed, errno has the reason.
   Result take() {
     constexpr int kTries = 100;
     for (int i = 0; i < kTries; ++i) {

@@ -1,11 +1,11 @@
 // A symbolic link to a pseudo-terminal under a path of the user's choice, owned by one process.
 //
-// - The link replaces at once what is dangling or older than the terminal that it names (left by a
-//   process that was killed). Anything else is somebody's and stays: a file, a link to something
-//   that is no pseudo-terminal, a link that a running program keeps.
+// - The link atomically replaces a link that is dangling or older than the terminal that it names
+//   (left by a process that was killed). Anything else belongs to others and stays: a file, a link
+//   to something that is no pseudo-terminal, a link that a running program keeps.
 // - Ownership is an advisory lock (flock) on the file ".NAME.lock" beside the link, whatever
-//   namespaces the owners live in, as long as they share the directory. The kernel gives the lock
-//   back however the process ends; a lock file that was left behind hinders nobody.
+//   namespaces the owners live in, as long as they share the directory. The kernel releases the
+//   lock however the process ends; a lock file that was left behind blocks no later owner.
 // - look() puts back a link that was removed, or that names a terminal which has gone. What
 //   another program has put in its place stays, and is reported.
 // - A folder that other users could change is refused, and so is a path below /dev, where devices
@@ -20,10 +20,10 @@
 
 namespace rigwire::drivers {
 
-/// Throws EndpointError: what is wrong with the line at that path, and what mends it.
+/// Throws EndpointError that says what is wrong with the line at that path, and the remedy.
 [[noreturn]] void refuse_line(const std::filesystem::path& path, const std::string& what,
                               const std::string& mend);
-/// What helps against a descriptor that the system would not open.
+/// The remedy for a descriptor that the system would not open.
 [[nodiscard]] std::string mend_of(int error, const std::string& otherwise);
 /// Returns why other users could replace a link at that path, or nothing when they cannot: a folder
 /// above it is theirs or can be written by them. Clients would then open a terminal of theirs.
@@ -43,8 +43,8 @@ class PublishedLink {
   void publish(const std::string& terminal);
   /// Removes the link, where it is still ours, and gives the name back.
   void withdraw();
-  /// Whether the link is in place; puts it back where it may. Returns what there is to tell that
-  /// was not told before, else nothing. Never throws.
+  /// Checks that the link is in place; puts it back where it may. Returns a message to report that
+  /// was not reported before, else an empty text. Never throws.
   [[nodiscard]] std::string look();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }

@@ -1,8 +1,9 @@
-// A serial line with several plugs, as a splitter cable has them: every port hears what the device
-// sends, and only the first one is heard by it. What clients of the others write goes nowhere.
+// A serial line with several ports, as a splitter cable has them: every port receives what the
+// device sends, and the device receives only from the first one. What clients of the others write
+// is discarded.
 //
-// The first port's client is the line's: its presence and its speed are told by on_client(). A port
-// whose client does not read loses bytes by itself; the others go on.
+// on_client() reports the presence and the speed of the first port's client. A port whose client
+// does not read loses bytes by itself; the others are not affected.
 #pragma once
 
 #include <memory>
@@ -19,7 +20,7 @@ class SerialSplitter final : public ByteStream {
 
   void start(Receiver receiver) override;
   void on_client(ClientWatcher watcher) override;
-  /// The least that any port took: bytes lost at one are lost bytes.
+  /// Returns the minimum that any port took: bytes lost at one are lost bytes.
   std::size_t write(std::span<const std::uint8_t> bytes) override;
   /// The first port's address; a client is there when any port has one.
   [[nodiscard]] EndpointStatus status() const override;

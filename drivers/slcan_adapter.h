@@ -1,10 +1,10 @@
 // The device side of slcan: a CAN adapter on a serial line, as the kernel's slcan driver,
 // python-can and other LAWICEL masters expect it.
 //
-// - The adapter stands for the client's controller. on_client() tells whether the client holds the
-//   channel open (O, or L for listening only) and at which rate (S, s; without them the bus's own).
-//   What a wrong rate does to the bus is the bus's business; such a client is handed nothing. A
-//   second O while open changes nothing: python-can sends two.
+// - The adapter represents the client's controller. on_client() reports whether the client holds
+//   the channel open (O, or L for listening only) and at which rate (S, s; without them the bus's
+//   own). The bus model decides what a wrong rate does to the bus; such a client receives nothing.
+//   A second O while open changes nothing: python-can sends two.
 // - Every command is answered: CR, or BEL when it is unknown, malformed, or not possible now. A
 //   frame is answered CR, after X1 z CR or Z CR; BEL in listen-only mode, when closed, and when
 //   `transmit_queue_frames` frames wait for their confirm().
@@ -49,7 +49,8 @@ struct SlcanAdapterSettings {
   SlcanDialect dialect = SlcanDialect::automatic;
   /// Whether the kernel's driver holds the far end; what `automatic` goes by. Empty: it does not.
   std::function<bool()> kernel_attached{};
-  std::size_t transmit_queue_frames = 0;  ///< Unconfirmed frames; 0: nobody confirms, no limit.
+  /// Limit of unconfirmed frames; 0: confirm() is never called, no limit.
+  std::size_t transmit_queue_frames = 0;
 };
 
 struct SlcanAdapterCounters {

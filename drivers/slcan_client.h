@@ -2,7 +2,7 @@
 //
 // start() sends C, Sn, O, as the kernel does, and from then on frames pass in both directions. The
 // adapter's answers are read and counted, not waited for. Adapters that speak the kernel's dialect
-// also tell of their controller by state and error lines. When the line comes back after it was
+// also report their controller by state and error lines. When the line comes back after it was
 // gone, reopen() sends the same commands again.
 #pragma once
 
@@ -33,7 +33,7 @@ class SlcanClient final : public CanBus {
   SlcanClient& operator=(const SlcanClient&) = delete;
 
   using ReportWatcher = std::function<void(const protocols::can::ControllerReport&)>;
-  /// `watcher` hears of every state line and error line. To be called before start().
+  /// Calls `watcher` for every state line and error line. To be called before start().
   void on_report(ReportWatcher watcher) { watcher_ = std::move(watcher); }
   void start(Receiver receiver) override;
   /// False when the line is full.
@@ -43,7 +43,7 @@ class SlcanClient final : public CanBus {
 
   /// Opens the channel again.
   void reopen();
-  /// State and error counters of the adapter's controller, as it told last.
+  /// State and error counters of the adapter's controller, as last reported.
   [[nodiscard]] const protocols::can::ControllerReport& controller() const { return controller_; }
   [[nodiscard]] const SlcanClientCounters& counters() const { return counters_; }
 

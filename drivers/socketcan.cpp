@@ -103,7 +103,7 @@ int open_interface(const std::string& interface) {
     fail(interface, "the interface is down", 0);
   }
   const int on = 1;
-  // Lost frames are announced with the frames; a kernel that cannot tell is no error.
+  // The kernel reports lost frames with the next ones; a kernel that cannot is no error.
   (void)::setsockopt(socket.get(), SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
   // FD frames are asked for in order to be counted.
   (void)::setsockopt(socket.get(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on);

@@ -2,19 +2,19 @@
 //
 // - Receives every data and remote frame that others put on the interface, this host's other
 //   programs included, own frames not. CAN FD frames are refused and counted. Error frames are
-//   understood and told by on_report().
+//   decoded and reported by on_report().
 // - Frames that the interface's queue does not take wait here (can_transmit_queue.h), kWaiting at
 //   most, and are tried again every kRetryPeriod.
-// - report() sends the news as an error frame where the interface is virtual (vcan, vxcan): there
-//   the bus model is the bus, and tools see its errors as they would a real one's. A real
-//   interface has errors of its own.
+// - report() sends the report as an error frame where the interface is virtual (vcan, vxcan): there
+//   the bus model is the bus, and tools see its errors as they would a real one's. A real interface
+//   has errors of its own.
 // - An interface that goes down, or whose bus is off, takes no frames; they are lost and counted,
 //   and everything goes on when it comes up. One that is removed is looked for every kSearchPeriod
 //   and opened again under its name. status() says "(down)" and "(removed)".
-// - Nothing tells a sent frame's sender that it went out.
+// - The kernel does not report to the sender when a frame has gone out.
 //
-// On vcan the kernel drops silently at a receiver that does not read; frames lost so are counted
-// where the kernel says so.
+// On vcan the kernel silently drops frames for a receiver that does not read; they are counted
+// where the kernel reports them.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -59,14 +59,14 @@ class SocketCanBus final : public CanBus {
   SocketCanBus& operator=(const SocketCanBus&) = delete;
 
   using ReportWatcher = std::function<void(const protocols::can::ControllerReport&)>;
-  /// `watcher` hears of every error frame. To be called before start().
+  /// Calls `watcher` for every error frame. To be called before start().
   void on_report(ReportWatcher watcher) { watcher_ = std::move(watcher); }
 
   void start(Receiver receiver) override;
   /// True when the interface has the frame, or it waits. False when it is lost.
   bool send(const protocols::can::Frame& frame) override;
   bool report(const protocols::can::ControllerReport& report, Stamp stamp) override;
-  /// client_present: a frame of somebody else has arrived.
+  /// client_present: a frame of another node has arrived.
   [[nodiscard]] EndpointStatus status() const override;
 
   [[nodiscard]] const SocketCanCounters& counters() const { return counters_; }

@@ -51,14 +51,15 @@ struct SocketcandServer::Job {
   boost::asio::steady_timer timer;
 };
 
-/// What a client wants of one identifier. Without masks every frame; with one mask those whose
-/// masked content has changed; with more, the first says which bytes tell the contents apart, and
-/// each other one has such a value and the mask for it (the kernel's bcm.c, bcm_rx_handler).
+/// A client's subscription to one identifier. Without masks it passes every frame; with one mask
+/// those whose masked content has changed; with more, the first mask selects the bytes that
+/// distinguish the contents, and each other one has such a value and the mask for it (the kernel's
+/// bcm.c, bcm_rx_handler).
 struct SocketcandServer::Subscription {
   Subscription(boost::asio::io_context& context, std::vector<socketcand::Mask> wanted)
       : masks(std::move(wanted)), last(masks.size()), throttle(context) {}
 
-  /// Whether the frame is news.
+  /// Whether the frame is to be passed on.
   bool takes(const Frame& frame) {
     if (masks.empty()) {
       return true;

@@ -2,7 +2,7 @@
 // on the bus, as programs on the daemon's machine would (protocols/socketcand/socketcand.h).
 //
 // - The controller is open while a client has opened the bus, and until what such clients sent has
-//   left; on_client() tells. It has the bus's rate.
+//   left; on_client() reports it. It has the bus's rate.
 // - A client begins without a bus. Everything but "open" with one of the bus's names is answered by
 //   an error and the end of the connection. Then it is in BCM mode; rawmode, bcmmode and
 //   controlmode change that, each ends what the mode before had set up.
@@ -11,8 +11,9 @@
 //   only.
 // - BCM mode: "add" sends at once and then every interval (at least kShortestInterval), "update"
 //   changes the data, "delete" ends it. "subscribe" passes an identifier on, "filter" and
-//   "muxfilter" only when the masked content differs from the one before; an interval is the least
-//   time between two, the newest content is passed on at its end. Own frames are passed on, too.
+//   "muxfilter" only when the masked content differs from the one before; an interval is the
+//   minimum time between two, the newest content is passed on at its end. Own frames are passed on,
+//   too.
 // - Control mode: "statistics" reports bytes and frames of the interface every interval.
 // - What cannot be understood of a known command is not answered, an unknown one by an error.
 // - A client that sends faster than the bus takes has `waiting_frames` of queue. Like the daemon,
@@ -56,7 +57,7 @@ class SocketcandServer final : public CanBus {
   static constexpr std::chrono::milliseconds kSettling{20};
   static constexpr std::size_t kHeldBackBytes = 960;
 
-  /// `server` must outlive it and be used by nobody else. Throws std::invalid_argument.
+  /// `server` must outlive it and have no other user. Throws std::invalid_argument.
   SocketcandServer(boost::asio::io_context& context, StreamServer& server,
                    SocketcandSettings settings);
   ~SocketcandServer() override;
@@ -67,7 +68,7 @@ class SocketcandServer final : public CanBus {
   bool deliver(const protocols::can::Frame& frame, Stamp stamp) override;
   void confirm(bool sent, Stamp stamp) override;
   bool report(const protocols::can::ControllerReport& report, Stamp stamp) override;
-  /// client_present: somebody has the bus open.
+  /// client_present: a client has the bus open.
   [[nodiscard]] EndpointStatus status() const override;
 
  private:

@@ -190,7 +190,7 @@ struct TcpServer::State : Listening, std::enable_shared_from_this<State> {
                       });
   }
 
-  /// Ends a connection now; tells the handler later, from the io_context.
+  /// Ends a connection now; calls the handler's `disconnected` later, from the io_context.
   void end(ClientPointer client) {
     if (client->ended) {
       return;

@@ -2,14 +2,14 @@
 //
 // Loopback only, unless the settings opt in to more: a simulated valve must not be reachable from a
 // site network by accident. Nagle's delay is off, keep-alive is on (a client that lost power is
-// found out after about 30 s). A client that does not read has a bounded backlog; when it is full
-// the connection is closed, which is counted (EndpointStatus::cut_off) and of the first one
-// reported (drivers/endpoint_news.h). While anything waits for a client, nothing more is read from
-// it: a client that asks and asks, and takes no answer, is held and costs nothing. A client that
-// closes its sending half is still given what is due to it (StreamServer::Handler::half_closed).
-// When all places are taken, a newcomer gets the place of the client that has been silent longest
-// (Modbus TCP Implementation Guide V1.0b, section 4.2.2), so that half-open connections cannot lock
-// a device.
+// detected after about 30 s). A client that does not read has a bounded backlog; when it is full
+// the connection is closed, counted (EndpointStatus::cut_off), and reported the first time
+// (drivers/endpoint_news.h). While anything waits for a client, nothing more is read from it: a
+// client that keeps asking and takes no answer is held back and costs nothing. A client that closes
+// its sending half is still sent what is due to it (StreamServer::Handler::half_closed). When all
+// places are taken, a newcomer gets the place of the client that has been silent longest (Modbus
+// TCP Implementation Guide V1.0b, section 4.2.2), so that half-open connections cannot lock a
+// device.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -37,8 +37,8 @@ class TcpServer final : public StreamServer {
   TcpServer(boost::asio::io_context& context, const TcpServerSettings& settings);
   ~TcpServer() override;
 
-  /// `disconnected` comes for every connection that was announced, whoever ended it, and never from
-  /// within send() or close().
+  /// `disconnected` is called for every connection that was announced, whichever side ended it, and
+  /// never from within send() or close().
   void start(Handler handler) override;
   bool send(ConnectionId connection, std::span<const std::uint8_t> bytes) override;
   /// What was sent before still leaves.

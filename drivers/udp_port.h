@@ -1,12 +1,11 @@
-// One UDP port over IPv4 that hears whoever sends to it and answers each.
+// One UDP port over IPv4 that receives from any sender and can answer each.
 //
-// - It is bound to one address of this machine, and is nobody else's: a port that another socket
-//   has is refused, also within this program.
-// - With `broadcasts` it hears in addition what is sent to 255.255.255.255 and to the broadcast
-//   address of its own network, on the interface that has its address and on no other. Every such
-//   port of a machine hears a broadcast, each for itself; answers leave from the port's own
-//   address.
-// - A destination that nobody listens at is no error; what the system does not take is lost.
+// - It is bound to one address of this machine, exclusively: a port that another socket has is
+//   refused, also within this program.
+// - With `broadcasts` it also receives what is sent to 255.255.255.255 and to the broadcast address
+//   of its own network, on the interface that has its address and on no other. Every such port of a
+//   machine receives a broadcast, each for itself; answers leave from the port's own address.
+// - A destination without a listener is no error; what the system does not take is lost.
 // - client_present: a datagram came within the last three seconds.
 #pragma once
 
@@ -48,7 +47,7 @@ class UdpPort final : public DatagramPort {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Each listens for itself; the first is the port's own.
+  /// A receiving socket; the first is the port's own, the others receive broadcasts.
   struct Ear;
 
   void listen(Ear& ear);

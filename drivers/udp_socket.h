@@ -1,8 +1,8 @@
 // One UDP socket over IPv4: a sender with a fixed destination, a receiver bound to a port, or both.
 //
-// - Sending to a port where nobody listens is not an error and not a loss of ours: the system's
-//   "connection refused" belongs to an earlier datagram, is noted for the status, and the datagram
-//   at hand is sent all the same.
+// - Sending to a port without a listener is neither an error nor counted as a loss: the system's
+//   "connection refused" belongs to an earlier datagram, is noted for the status, and the current
+//   datagram is sent all the same.
 // - A full send buffer refuses the datagram (send() returns false); so does a route that is gone.
 // - The destination can change while the socket runs (retarget()); a requested source address and
 //   port stay.

@@ -1,9 +1,9 @@
-// Whether the programs at the far end have taken what they were sent: what still waits for them in
-// the kernel of this machine.
+// Whether the programs at the far end have read what they were sent: counts what still waits for
+// them in the kernel of this machine.
 //
-// It says that they have read, not that they have acted. Where the kernel does not tell, nothing is
-// said: TCP acknowledges what nobody has read, SocketCAN has no such count, and of another machine
-// nothing is known.
+// It shows that they have read, not that they have acted. Where the kernel does not know, the
+// result is empty: TCP acknowledges bytes before a program reads them, SocketCAN has no such count,
+// and nothing is known of another machine.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,11 @@
 
 namespace rigwire::drivers {
 
-/// Bytes that wait at the slave of a pseudo-terminal (FIONREAD, tty_ioctl(4)): the master is not
-/// told them. 0 when all has been read; else at least as many wait, since some may still be on
-/// their way within the kernel. Opens it for a moment. Nothing where it cannot be opened: it is
-/// none, or its client has it for itself (TIOCEXCL) and this user is not root.
+/// Returns the bytes that wait at the slave of a pseudo-terminal (FIONREAD, tty_ioctl(4)), which
+/// the master cannot query. 0 when all has been read; else at least as many wait, since some may
+/// still be on their way within the kernel. Opens the slave for a moment. Nothing where it cannot
+/// be opened: it is no terminal, or its client has it for itself (TIOCEXCL) and this user is not
+/// root.
 [[nodiscard]] std::optional<std::size_t> untaken_bytes(const std::filesystem::path& terminal);
 
 /// Bytes, with the kernel's own room for each datagram, that wait at sockets of this machine that

@@ -179,7 +179,8 @@ struct UsbDeviceHandle::State : std::enable_shared_from_this<State> {
     state.tell(std::move(open), result);
   }
 
-  /// Whoever hears it may begin, cancel and close, which must not happen from within libusb.
+  /// Calls `done` from the io_context: it may begin, cancel and close transfers, which must not
+  /// happen from within libusb.
   void tell(std::shared_ptr<Open> open, Result result) {
     asio::post(io, [weak = weak_from_this(), open = std::move(open), result] {
       if (weak.lock()) {

@@ -65,8 +65,9 @@ class UsbHost {
   UsbHost(const UsbHost&) = delete;
   UsbHost& operator=(const UsbHost&) = delete;
 
-  /// `watcher` hears of every device that comes or goes from now on. News come from udev: a system
-  /// without udevd (a bare initramfs) has none. Throws EndpointError when libusb cannot tell.
+  /// Calls `watcher` for every device that comes or goes from now on. The events come from udev: a
+  /// system without udevd (a bare initramfs) has none. Throws EndpointError when libusb cannot
+  /// report them.
   void on_device(DeviceWatcher watcher);
 
   /// The first device that `selector` matches. Throws EndpointError: nothing matches (the message

@@ -104,7 +104,7 @@ struct VhciAttachment::State : std::enable_shared_from_this<State> {
                       });
   }
 
-  /// The reply is short when the server refuses, which its first bytes tell.
+  /// Reads the reply. It is short when the server refuses, which its first bytes show.
   void hear(std::size_t size) {
     const std::size_t had = size == usbip::kOperationHeaderSize ? 0 : buffer.size();
     buffer.resize(size);

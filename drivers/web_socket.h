@@ -25,7 +25,7 @@ class WebSocket {
     std::function<WebSocketMessage()> next;
     /// A message of the client, whole; the bytes are valid during the call.
     std::function<void(bool text, std::string_view bytes)> received;
-    /// Once, whoever closed it; not after the server's end.
+    /// Called once when the connection has closed, by either side; not after the server's end.
     std::function<void()> closed;
   };
 

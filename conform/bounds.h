@@ -50,28 +50,28 @@ class TooMuch : public BoundReached {
   std::string allowed_;
 };
 
-/// The time of one suite, by the clock of its lines and by this machine's: the one that is further
-/// counts, so that a device whose emulated time stands still is bounded, too.
+/// Time of one suite, by the clock of its lines and by this machine's: the clock that has advanced
+/// further counts, so that a device whose emulated time does not advance is bounded, too.
 class Bounds {
  public:
   using Instant = std::chrono::steady_clock::time_point;
-  /// From the limit until the running case is cut off.
+  /// Time from the limit until the running case is cut off.
   static constexpr std::chrono::seconds kGrace{10};
 
   explicit Bounds(std::chrono::nanoseconds limit = std::chrono::hours{24}) : limit_(limit) {}
 
   [[nodiscard]] std::chrono::nanoseconds limit() const { return limit_; }
-  /// The suite begins now: by the lines' clock with the next check().
+  /// Starts the suite's time; the lines' clock starts with the next check().
   void begin();
-  /// A case begins: what came before is not counted against it.
+  /// Starts a case: what came before is not counted against it.
   void begin_case() { ++case_; }
   /// Number of the case, from 0.
   [[nodiscard]] std::uint64_t current_case() const { return case_; }
-  /// `now` is of a line's clock. Throws TimeIsUp when limit and kGrace have passed.
+  /// Checks with `now` of a line's clock. Throws TimeIsUp when limit and kGrace have passed.
   void check(Instant now);
-  /// Checks by this machine's clock alone, before a line is open. Throws TimeIsUp likewise.
+  /// Checks by this machine's clock alone, before a line is open. Throws TimeIsUp as above.
   void check() const;
-  /// The limit has passed: no further case begins.
+  /// Whether the limit has passed, so that no further case begins.
   [[nodiscard]] bool passed() const { return elapsed() > limit_; }
   /// "the suite's limit of 600 s has passed".
   [[nodiscard]] std::string text() const;

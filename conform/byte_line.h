@@ -22,13 +22,13 @@ class ByteLine {
 
   /// False when the other side has closed, or takes nothing for a second.
   [[nodiscard]] virtual bool send(std::span<const std::uint8_t> bytes) = 0;
-  /// Appends what has come by then, at least a byte of it, to `bytes`. False when nothing has.
+  /// Appends what has come by `deadline`, at least one byte, to `bytes`. False when nothing has
+  /// come.
   [[nodiscard]] virtual bool receive(std::vector<std::uint8_t>& bytes,
                                      Clock::time_point deadline) = 0;
   /// The other side has closed, as far as receive() has seen.
   [[nodiscard]] virtual bool closed() const = 0;
-  /// In which deadlines are: the wall's, but of an emulated device in a test, whose time is its
-  /// own.
+  /// Clock of the deadlines: the wall clock, or, in a test, an emulated device's own.
   [[nodiscard]] virtual Clock::time_point now() const { return Clock::now(); }
 
  protected:

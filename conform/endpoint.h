@@ -3,11 +3,10 @@
 //   tcp:127.0.0.1:1502, tcp:[::1]:1502     a server; a numeric address
 //   serial:/dev/ttyUSB0@19200              raw, eight bits
 //   can:can0                               an interface of the kernel
-//   slcan:/dev/ttyACM0@250000              a bus behind an adapter on a serial line, and its bit
-//   rate udp:2368, udp:127.0.0.1:2368           where it sends to: this machine's address, or all
-//   of them
+//   slcan:/dev/ttyACM0@250000              a bus behind a serial adapter, and its bit rate
+//   udp:2368, udp:127.0.0.1:2368           where it sends to: this machine's address, or all
 //
-// What is left out (port, speed, bit rate) is the suite's.
+// A suite supplies its defaults for what is left out (port, speed, bit rate).
 #pragma once
 
 #include <cstdint>
@@ -17,7 +16,7 @@
 
 namespace rigwire::conform {
 
-/// The way to the device, not the device: nobody listens, no permission, no such path.
+/// The device cannot be reached: no listener, no permission, no such path.
 class Unreachable : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -35,13 +34,13 @@ struct Endpoint {
   [[nodiscard]] bool local() const;
 };
 
-/// What an endpoint has that does not say it.
+/// A suite's defaults for parts that an endpoint's text leaves out.
 struct EndpointDefaults {
   std::uint16_t port = 0;
   std::uint32_t rate = 0;
 };
 
-/// Nothing when it is none of these.
+/// Parses an endpoint; nullopt when it has none of these forms.
 [[nodiscard]] std::optional<Endpoint> parse_endpoint(const std::string& text,
                                                      const EndpointDefaults& defaults);
 

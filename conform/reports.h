@@ -28,8 +28,8 @@ namespace rigwire::conform {
 /// One page of several endpoints beside each other, a row per case, the exchanges folded away.
 [[nodiscard]] std::string html_text(std::span<const SuiteResult> results);
 
-/// A pcapng file of one case: the bytes of a serial line, frames of a bus, datagrams as they came,
-/// or TCP as its two ends would have met it.
+/// Returns a pcapng file of one case: the bytes of a serial line, frames of a bus, datagrams, or a
+/// TCP conversation. IP addresses and TCP handshakes are made up.
 [[nodiscard]] std::vector<std::uint8_t> capture_of(const CaseResult& result,
                                                    const Endpoint& endpoint);
 

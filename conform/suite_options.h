@@ -1,4 +1,4 @@
-// What of a suite is run, and who is told.
+// Options that select the cases of a suite to run.
 #pragma once
 
 #include <optional>
@@ -16,8 +16,8 @@ struct SuiteOptions {
   bool moves = false;       ///< Cases by which a machine may move, or a device be lost.
 };
 
-/// What keeps a case from being tried, as its result; nothing when nothing does. `missing` is what
-/// the device does not claim, or empty.
+/// Returns the skip result of a case that cannot run, or nullopt. `missing` is what the device does
+/// not claim, or empty.
 [[nodiscard]] std::optional<CaseResult> hindrance(const CaseIdentity& identity,
                                                   const std::string& missing,
                                                   const SuiteOptions& options);

@@ -283,7 +283,7 @@ void CanopenTrial::with_heartbeat(const std::function<void()>& run) {
   const auto before = number(kHeartbeat);
   if (before && write(kHeartbeat, little(100, 2))) {
     run();
-    // Whatever state the case has left the node in, it is to hear this.
+    // The node must be able to receive this in whatever state the case has left it.
     static_cast<void>(command(0x80, "be pre-operational"));
     static_cast<void>(hear(with_node(0x700), milliseconds(300)));
     write(kHeartbeat, little(*before, 2));
@@ -291,7 +291,7 @@ void CanopenTrial::with_heartbeat(const std::function<void()>& run) {
 }
 
 bool CanopenTrial::expect_state(std::uint8_t state, const std::string& name) {
-  // One may have been on its way.
+  // The first heartbeat may have been on its way.
   static_cast<void>(hear(with_node(0x700), milliseconds(300)));
   const auto beat = hear(with_node(0x700), milliseconds(400));
   return expect(beat.has_value(), "a heartbeat", "none") &&

@@ -79,33 +79,33 @@ class CanopenTrial : public Trial {
     Frame frame;
     std::chrono::nanoseconds at{};
   };
-  /// All with that identifier in this time; the first ones are shown.
+  /// Returns all frames with that identifier in this time; shows the first ones.
   [[nodiscard]] std::vector<Heard> listen(std::uint32_t id, std::chrono::nanoseconds span);
-  /// What has come so far is forgotten, for at most kDrain.
+  /// Drops what has come so far, for at most kDrain.
   void drain();
 
-  /// Eight bytes of the SDO server; nothing when none came, which is found.
+  /// Returns the eight bytes of the SDO server; nullopt, and a failure, when none came.
   [[nodiscard]] std::optional<CanBytes> answer();
-  /// Nothing comes of the SDO server.
+  /// Expects no answer of the SDO server for 200 ms.
   bool unanswered(const std::string& about);
 
-  /// Reads, in segments where the node wants them. Nothing where it broke the protocol or was
-  /// silent, which is found.
+  /// Reads an object, in segments where the node wants them. Returns nullopt, and records a
+  /// failure, when the node broke the protocol or did not answer.
   [[nodiscard]] std::optional<SdoResult> upload(ObjectName object);
   /// Writes up to four bytes at once.
   [[nodiscard]] std::optional<SdoResult> download(ObjectName object, const CanBytes& data);
-  /// A number; an abort is found.
+  /// Reads a number; an abort is a failure.
   [[nodiscard]] std::optional<std::uint32_t> number(ObjectName object);
   bool write(ObjectName object, const CanBytes& data);
-  /// An abort with one of these codes.
+  /// Expects an abort with one of these codes.
   bool aborts(const std::optional<SdoResult>& result, std::initializer_list<std::uint32_t> codes);
 
   [[nodiscard]] std::uint32_t with_node(std::uint32_t base) const { return base + claims().node; }
-  /// A command of network management to the node.
+  /// Sends a command of network management to the node.
   bool command(std::uint8_t code, const std::string& words);
   /// Runs with a heartbeat of 100 ms, and puts back what was set.
   void with_heartbeat(const std::function<void()>& run);
-  /// The state that the next heartbeat tells.
+  /// Expects `state` in the heartbeat after the next one, which may have been on its way.
   bool expect_state(std::uint8_t state, const std::string& name);
 
  private:

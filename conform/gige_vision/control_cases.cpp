@@ -1,4 +1,4 @@
-// What a camera answers to whoever asks, without control: discovery, registers, memory, its
+// What a camera answers to any application, without control: discovery, registers, memory, its
 // description, and how it refuses.
 #include <algorithm>
 #include <array>
@@ -389,7 +389,7 @@ void unknown_command(T& trial) {
 }
 
 void unwritten(T& trial, std::uint16_t command, std::uint32_t address) {
-  // What stands there, so that nothing changes where it is not refused.
+  // Writes the present value, so that nothing changes if it is not refused.
   if (const auto value = trial.read(address)) {
     trial.refused(command, gige_word(address) + gige_word(*value), GigeStatus::access_denied);
   }

@@ -21,7 +21,7 @@ std::string missing(const GigeVisionCase& of, const GigeVisionClaims& claims,
              : "";
 }
 
-/// The capability, which tells that somebody answers at all.
+/// Reads the GVCP capability register; throws Unreachable when the camera does not answer.
 std::uint32_t capability_of(GigeVisionDevice& device) {
   GigeVisionTrial trial({}, device);
   const auto found = trial.read(boot::kCapability);
@@ -33,7 +33,7 @@ std::uint32_t capability_of(GigeVisionDevice& device) {
   return *found;
 }
 
-/// What stands between the tags of the first `element` in `node`; empty: there is none.
+/// Returns the text between the tags of the first `element` in `node`; empty: there is none.
 std::string text_of(const std::string& node, const std::string& element) {
   const std::string open = "<" + element + ">";
   const std::size_t begin = node.find(open);

@@ -133,18 +133,18 @@ class GigeVisionTrial : public Trial {
   /// The next request, never 0.
   [[nodiscard]] std::uint16_t next_request();
   bool send(const GigeBytes& bytes, const std::string& words, std::size_t port = kOwn);
-  /// The answer to that request at that port, which has to be whole; expected to come.
+  /// Returns the answer to that request at that port; a failure when none comes or it is not whole.
   [[nodiscard]] std::optional<Answer> answer(std::uint16_t command, std::uint16_t request,
                                              std::size_t port = kOwn);
   [[nodiscard]] std::optional<Answer> ask(std::uint16_t command, const GigeBytes& payload,
                                           std::size_t port = kOwn);
-  /// Nothing at that port within the patience.
+  /// Expects no answer at that port within the patience, at most 300 ms.
   bool silent(const std::string& about, std::size_t port = kOwn);
-  /// Refused; `right` where it says why as it has to.
+  /// Expects an error; its status should be `right`.
   void refused(std::uint16_t command, const GigeBytes& payload, GigeStatus right,
                std::size_t port = kOwn);
 
-  /// Each of these is expected to succeed.
+  /// Each of these records a failure when it does not succeed.
   [[nodiscard]] std::optional<std::uint32_t> read(std::uint32_t address, std::size_t port = kOwn);
   [[nodiscard]] std::optional<GigeBytes> read_memory(std::uint32_t address, unsigned count);
   bool write(std::uint32_t address, std::uint32_t value, std::size_t port = kOwn);
@@ -155,17 +155,17 @@ class GigeVisionTrial : public Trial {
                                                              std::size_t port = kOwn);
   [[nodiscard]] std::optional<std::uint16_t> status_of_read(std::uint32_t address,
                                                             std::size_t port = kOwn);
-  /// Control for as long as the case lasts; false where it was not given, which is found.
+  /// Takes control until leave(); false, and a failure, when it is refused.
   bool take_control();
-  /// Whatever happened: nobody in control, by either application.
+  /// Gives up control at both applications' ports, whatever the case has done.
   void leave();
-  /// The text up to its first zero.
+  /// Reads the text up to its first zero.
   [[nodiscard]] std::optional<std::string> read_text(std::uint32_t address, unsigned count);
 
-  /// What comes at our stream's port in this time.
+  /// Returns what comes at our stream's port in this time.
   [[nodiscard]] std::vector<DatagramLine::Datagram> listen(std::chrono::nanoseconds span);
   void wait(std::chrono::nanoseconds span);
-  /// What has come so far is forgotten, for at most kDrain.
+  /// Drops what has come so far, for at most kDrain.
   void drain();
 
  private:

@@ -407,8 +407,8 @@ void short_command_ignored(T& trial, const Claims& claims) {
 
 void told_out_of_range(T& trial, const Claims& claims) {
   from_neutral(trial, claims, [&](unsigned valve) {
-    // The first message may have been under way already. To a block these are no commands: a
-    // third would come when its time-out has another reason to tell.
+    // The first message may have been under way already. For a valve block these messages are not
+    // commands: after a third its time-out would give another exit reason.
     std::optional<Bytes> told;
     for (int i = 0; i < 2 && (!told || exit_of(*told) != out_of_range); ++i) {
       if (!send(trial, valve, command_of(neutral, kFifth)) ||

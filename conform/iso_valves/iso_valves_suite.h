@@ -1,12 +1,12 @@
-// The suite iso11783-valves: a block of auxiliary valves on an ISO 11783 bus, by what its messages
-// say of it, and where a machine may move by how it obeys commands. The suite is a node as that of
-// j1939 is, and commands with priority 3 every 100 ms.
+// The suite iso11783-valves checks a block of auxiliary valves on an ISO 11783 bus by what its
+// messages report, and, where a machine may move, by how it obeys commands. The suite is a node, as
+// that of j1939 is, and sends commands with priority 3 every 100 ms.
 //
 // Documents: ISO 11783-7 (auxiliary valve command, estimated and measured flow, as isobus.net lists
 // their parameters), ISO 11783-5 (NAME), ISO 11783-12 (functionalities, as AgIsoStack++ has them),
-// SAE J1939-73 (DM1). The texts were not at hand: docs/devices/iso-valves.md says what is certain.
-// What stands on this project's reading alone is a "should": the place of the exit/reason code, and
-// whose commands count. Chapters are groups by their letters.
+// SAE J1939-73 (DM1). These texts were not available: docs/devices/iso-valves.md says what is
+// certain. What rests on this project's reading alone is a "should": the place of the exit/reason
+// code, and whose commands count. Chapters are groups by their letters.
 #pragma once
 
 #include <chrono>

@@ -14,7 +14,7 @@ using T = J1939Trial;
 using Bytes = std::vector<std::uint8_t>;
 using std::chrono::milliseconds;
 
-constexpr std::uint32_t kNoGroup = 0xFFFE;  // Proprietary B, and nobody's here.
+constexpr std::uint32_t kNoGroup = 0xFFFE;  // Proprietary B, used by no node here.
 constexpr std::uint8_t kUnused = 0xC5;      // An address that no node is to have.
 
 // --- addresses ---

@@ -1,5 +1,6 @@
-// A case of the suite j1939 while it runs: requests to one node, transport by hand, and what the
-// node says by itself. The frames are made here, from SAE J1939-21, 5.2, 5.4 and 5.10.
+// A case of the suite j1939 while it runs: requests to one node, transport sessions that the case
+// builds itself, and what the node sends on its own. The frames are made here, from SAE J1939-21,
+// 5.2, 5.4 and 5.10.
 //
 // The suite is a node, too: it has claimed address 249 (off-board diagnostic-service tool 1).
 #pragma once
@@ -84,23 +85,23 @@ class J1939Trial : public Trial {
   [[nodiscard]] std::optional<J1939Heard> hear(std::initializer_list<std::uint32_t> pgns,
                                                std::chrono::nanoseconds within,
                                                std::optional<std::uint8_t> destination = {});
-  /// The next frame of 29 bits, whoever sends it; nothing by the deadline.
+  /// Returns the next frame of 29 bits from any sender; nullopt when none comes by the deadline.
   [[nodiscard]] std::optional<J1939Heard> hear_anybody(CanLine::Clock::time_point deadline);
-  /// All of the node in this time.
+  /// Returns all frames of the node in this time.
   [[nodiscard]] std::vector<J1939Heard> listen(std::chrono::nanoseconds span);
-  /// What has come so far is forgotten, for at most kDrain.
+  /// Drops what has come so far, for at most kDrain.
   void drain();
   void show(const J1939Heard& heard);
 
-  /// A claim of the node; nothing when none came, which is found.
+  /// Returns a claim of the node; nullopt, and a failure, when none came.
   [[nodiscard]] std::optional<J1939Heard> claim();
-  /// The NAME that it tells when it is asked; nothing when it does not, which is found.
+  /// Requests the node's NAME; nullopt, and a failure, when it does not answer.
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> name();
-  /// No frame of these groups within the patience.
+  /// Expects no frame of these groups within 300 ms.
   bool silent(std::initializer_list<std::uint32_t> pgns, const std::string& about);
-  /// A control message of transport to the node.
+  /// Sends a transport control message to the node.
   bool control(std::vector<std::uint8_t> bytes, std::uint32_t pgn, const std::string& words);
-  /// The node is not at its address any more, and no case behind this one can be tried.
+  /// Records that the node has lost its address, so that no later case can be tried.
   void lost(const std::string& reason);
 
  private:

@@ -2,9 +2,10 @@
 // J1939-81, 4.2.2.
 //
 // The suite contends with a NAME of 1, against that with one of 0, and leaves the address again
-// before the case ends. Three ways back are tried: a commanded address (4.2.3), contending at each
-// address that the node takes instead, as it may take the free one again, and asking it. A node
-// that none of them moves has to be switched off and on; the cases behind are told so.
+// before the case ends. It tries three ways to give the address back: a commanded address (4.2.3),
+// contending at each address that the node takes instead, as it may take the free one again, and
+// requesting its claim. If none works, the node has to be switched off and on, and the later cases
+// report that.
 #include <algorithm>
 #include <array>
 
@@ -89,7 +90,7 @@ std::optional<Loss> lose(T& trial, const Bytes& name) {
   return gave_way ? std::optional(Loss{name, *told}) : std::nullopt;
 }
 
-/// Told to everybody; the claim that follows is left to be heard.
+/// Sends the commanded address as a broadcast; the caller waits for the claim that follows.
 void command_address(T& trial, const Bytes& name, std::uint8_t address) {
   const auto part = [&](std::uint32_t group, const Bytes& bytes) {
     static_cast<void>(trial.listen(kBroadcastGap));
@@ -101,7 +102,7 @@ void command_address(T& trial, const Bytes& name, std::uint8_t address) {
   part(T::kPackets, {2, name[7], address, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF});
 }
 
-/// How it came to have its address again; empty: it has not.
+/// Returns how the node came to have its address again; empty: it has not.
 std::string give_back(T& trial, const Bytes& name) {
   const std::uint8_t own = trial.claims().address;
   const milliseconds patience = trial.claims().patience + kDispersed + kSilence;

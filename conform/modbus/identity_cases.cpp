@@ -111,7 +111,8 @@ void conformity(T& trial) {
   }
 }
 
-// What a device tells of its level is what it answers; above it it answers at its level.
+// The answer must not exceed the requested category. A device that is asked for more than its
+// conformity level answers at its own level.
 void level(T& trial, std::uint8_t access) {
   const auto found = part(trial, kBasic, 0);
   const auto all = found ? stream(trial, access) : std::nullopt;

@@ -71,7 +71,8 @@ ModbusClaims survey_modbus(ModbusDevice& device, unsigned addresses) {
   ModbusClaims claims = device.claims;
   device.bounds->begin();
   ModbusTrial trial({}, device);
-  // Exception 1 says that it does not; who ends the connection had at least begun.
+  // Exception 1 means that the device does not know the function. A device that closes the
+  // connection counts as knowing it.
   const auto knows = [&](const Pdu& request) {
     const auto answer = trial.ask(request);
     if (!answer) {

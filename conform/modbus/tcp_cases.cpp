@@ -98,7 +98,7 @@ void together(T& trial, unsigned count) {
   if (!trial.send(bytes, std::to_string(count) + " requests at once")) {
     return;
   }
-  // In any order: the client tells them by their numbers (4.4.2).
+  // The answers come in any order: the client matches them by their transaction numbers (4.4.2).
   std::vector<bool> answered(count);
   for (unsigned i = 0; i < count; ++i) {
     Pdu pdu;

@@ -1,5 +1,4 @@
-// The suite nmea: what a receiver says of itself by NMEA 0183, listened to and looked through.
-// Nothing is sent.
+// The suite nmea records and checks what a receiver sends by NMEA 0183. It sends nothing.
 //
 // Documents: u-blox M8 receiver description including protocol specification, UBX-13003221 R28,
 // section 31 (NMEA protocol), which describes NMEA 0183 as it is widely read.
@@ -41,7 +40,7 @@ struct NmeaCase {
 [[nodiscard]] SuiteResult run_nmea_suite(const NmeaLog& log, const NmeaClaims& claims,
                                          const SuiteOptions& options);
 
-/// The claims of somebody who says this. Throws Unreachable where more came than is kept.
+/// Returns the claims that match a recording. Throws Unreachable when more came than is kept.
 [[nodiscard]] NmeaClaims survey_nmea(const NmeaLog& log);
 
 }  // namespace rigwire::conform

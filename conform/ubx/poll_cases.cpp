@@ -11,7 +11,7 @@ Citations& of(UbxCitations& citations, const UbxMessage& message) {
   return message.document == UbxDocument::f9 ? citations.f9 : citations.m8;
 }
 
-/// A poll of what is not claimed: of class CFG refused, else not answered.
+/// Polls an unclaimed message: one of class CFG must be refused, others are not answered.
 void unclaimed(UbxTrial& trial, const UbxMessage& message) {
   const UbxBytes selector(message.selector.begin(), message.selector.end());
   if (message.id.message_class == 0x06) {

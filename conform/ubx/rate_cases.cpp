@@ -1,6 +1,6 @@
 // When messages come: UBX-13003221 R28, sections 32.10.18 (CFG-MSG) and 32.10.27 (CFG-RATE), over
-// several epochs each. The time is the receiver's own, iTOW; how it goes against this machine's
-// clock is told as a distribution.
+// several epochs each. The time is the receiver's own, iTOW; its deviation from this machine's
+// clock is reported as a distribution.
 #include <algorithm>
 #include <array>
 #include <cmath>

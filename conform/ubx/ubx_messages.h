@@ -1,10 +1,11 @@
 // What the documents say that UBX messages carry: names, types and order of their fields, as
-// text. Written from the documents for the checks alone; whoever sends these messages in this
-// project has a table of its own (protocols/ubx/), so that a slip in one is seen against the other.
+// text. Written from the documents for the checks alone; the code of this project that sends these
+// messages has a table of its own (protocols/ubx/), so that an error in one shows against the
+// other.
 //
 // Documents: u-blox M8 receiver description, UBX-13003221 R28, section 32; u-blox F9 HPG 1.50
 // interface description, UBXDOC-963802114-12815, section 3. What only u-blox 7 has (RXM-RAW, the
-// shorter NAV-PVT) is from recordings of such receivers; its own document is not at hand.
+// shorter NAV-PVT) is from recordings of such receivers; its own document was not available.
 #pragma once
 
 #include <cstdint>

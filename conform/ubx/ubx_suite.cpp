@@ -28,8 +28,8 @@ CaseResult run_case(const UbxCase& of, UbxDevice& device) {
       });
 }
 
-/// Opens the line, and gives a receiver that has just been switched on the time to hear: it is
-/// asked for its version a few times. Whether it has answered. Throws Unreachable.
+/// Opens the line and asks for the version a few times, which gives a receiver that has just been
+/// switched on the time to start. Returns whether it has answered. Throws Unreachable.
 bool open_line(UbxDevice& device) {
   constexpr int kTries = 3;
   device.line = bounded(device.open(), device.bounds);

@@ -37,7 +37,7 @@ bool has_flag(const std::vector<VelodyneData>& packets, unsigned flag) {
   return false;
 }
 
-/// An HDL-64E tells two returns by blocks 0 and 2 of one azimuth.
+/// Whether blocks 0 and 2 mostly share one azimuth: the two returns of an HDL-64E.
 bool pairs_of_banks(const std::vector<VelodyneData>& packets) {
   std::size_t equal = 0;
   for (const VelodyneData& packet : packets) {

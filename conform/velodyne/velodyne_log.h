@@ -1,5 +1,5 @@
-// What a Velodyne lidar sent over a while to its two ports, and what of it the cases of the suite
-// velodyne look at: packets as bytes, the time that passed between them, where the rotor was.
+// What a Velodyne lidar sent over a while to its two ports, as the suite velodyne needs it: packets
+// as bytes, the time that passed between them, the rotor's position.
 //
 // Fields are read here by their offsets (docs/devices/velodyne-packets.md) and not by the codec
 // that the emulators send with; what a model is comes from the tables of protocols/velodyne.
@@ -74,8 +74,7 @@ class VelodynePosition {
   std::size_t data_before_;
 };
 
-/// Behind a longer gap nobody can tell how far the rotor has turned: half a turn at 1200 rpm is 25
-/// ms.
+/// Behind a longer gap the rotor's position is ambiguous: half a turn at 1200 rpm is 25 ms.
 inline constexpr std::int64_t kLongestRotorGap_ns = 20'000'000;
 
 /// Where the rotor was at a firing that a block begins with.

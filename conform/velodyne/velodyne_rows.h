@@ -1,5 +1,5 @@
-// What the chapters of the suite velodyne share: what a case needs, and how the first packet that
-// is wrong is told.
+// Shared by the chapters of the suite velodyne: what a case needs, and the report of the first
+// packet that is wrong.
 #pragma once
 
 #include <array>

@@ -1,13 +1,13 @@
-// The suite velodyne: what a spinning lidar sends to its two UDP ports, listened to and looked
-// through. Nothing is sent.
+// The suite velodyne records and checks what a spinning lidar sends to its two UDP ports. It sends
+// nothing.
 //
 // Documents: HDL-32E user's manual 63-9113 Rev. H ("Packet format", "Position packet"); VLP-16
 // user's manual 63-9243 Rev. D (9.3 data packet, 9.4 position packet); VLP-32C user's manual
 // 63-9325 Rev. B; HDL-64E S3 user's manual 63-HDL64ES3 Rev. K, appendix E; VLS-128 user's manual
-// 63-9483 Rev. A, chapter 9. What of them stands where is in docs/devices/velodyne-packets.md.
+// 63-9483 Rev. A, chapter 9. docs/devices/velodyne-packets.md says which source describes what.
 //
-// Time is the sensor's own, by its timestamps; only the chapter timing looks at when packets came,
-// which is this machine's and the network's, too.
+// Time is the sensor's own, by its timestamps; only the chapter timing uses the arrival times of
+// packets, which depend on this machine and the network, too.
 #pragma once
 
 #include <chrono>
@@ -24,7 +24,7 @@ namespace rigwire::conform {
 
 struct VelodyneCase {
   CaseIdentity identity;
-  /// What the sensor does not send or claim that the case is about; empty: nothing.
+  /// What the case needs and the sensor does not send or claim; empty: nothing.
   std::string (*missing)(const VelodyneLog& log, const VelodyneClaims& claims);
   void (*run)(Trial& trial, const VelodyneLog& log, const VelodyneClaims& claims);
 };
@@ -60,7 +60,7 @@ struct VelodyneRow {
 [[nodiscard]] SuiteResult run_velodyne_suite(const VelodyneLog& log, const VelodyneClaims& claims,
                                              const SuiteOptions& options);
 
-/// The claims of somebody who sends this. Throws Unreachable where more came than is kept.
+/// Returns the claims that match a recording. Throws Unreachable when more came than is kept.
 [[nodiscard]] VelodyneClaims survey_velodyne(const VelodyneLog& log);
 
 /// Names of return modes and of pulse states, as claims have them.

@@ -71,7 +71,7 @@ template <class Type, class Interface>
   return dynamic_cast<const Type*>(&*chosen);
 }
 
-/// The key chooses the row; the content's keys stand beside it.
+/// Visits the key that chooses the row, with the chosen content's keys beside it.
 template <class Interface>
 void visit_chosen(Visitor& v, std::string_view key, Chosen<Interface>& chosen,
                   std::string_view text) {

@@ -185,7 +185,7 @@ class Visitor {
   /// `noun` is what one of them is called in messages ("device").
   virtual void members(std::string_view key, Members& map, std::string_view noun,
                        std::string_view text) = 0;
-  /// The key chooses the type; the chosen structure's keys stand beside it.
+  /// The key chooses the type; the chosen structure's keys are on the same level.
   virtual void alternatives(std::string_view key, Alternatives& types, std::string_view text) = 0;
 
   // Templates of the functions above, for members of all types.

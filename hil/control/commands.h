@@ -1,6 +1,6 @@
-// What may be asked of a run from outside its wires, as plain structures. Whoever asks, a program
-// in the same process or a client of the control server, fills these; their keys are read by the
-// same visitor as a rig's file, so that what is wrong is said in the same words.
+// The commands of a run, as plain structures. Callers in the same process and clients of the
+// control server fill them; their keys are read by the same visitor as a rig's file, so that errors
+// are reported in the same words.
 //
 //   {verb: run_until, time: 2.5 s}
 //   {verb: speed, factor: 4, at: 10 s}
@@ -99,8 +99,8 @@ struct RecordCommand {
 
   std::string folder;             ///< Where it begins.
   std::vector<std::string> only;  ///< Names of wires, or "truth"; empty: everything.
-  bool stop = false;              ///< The one that is on its way ends.
-  bool confined = false;          ///< No key: whether who asks may write into one folder only.
+  bool stop = false;              ///< The current recording ends.
+  bool confined = false;          ///< No key: the client may write into one folder only.
 };
 struct SetCommand {
   static constexpr fields::Named kNamed{
@@ -110,8 +110,8 @@ struct SetCommand {
       "configuration software would."};
 
   std::string on = "machine";  ///< Or "air", or a device.
-  std::string set;             ///< "{boom: 0.5, swing: null}"; null lets go. "{rate: 5 Hz}"
-  /// No key: what `set` has been parsed to; nothing: it has not been.
+  std::string set;             ///< "{boom: 0.5, swing: null}"; null releases. "{rate: 5 Hz}"
+  /// No key: `set` once it is parsed; empty: not yet.
   std::optional<Value> keys{};
 };
 struct StopCommand {
@@ -140,26 +140,26 @@ void visit(fields::Visitor& v, RecordCommand& p);
 void visit(fields::Visitor& v, SetCommand& p);
 inline void visit(fields::Visitor&, StopCommand&) {}
 
-/// A command, and when it is carried out.
+/// A command, and when it is executed.
 struct Request {
   Command command;
-  Duration at{0};  ///< From the start of the run; what is over then is at once.
+  Duration at{0};  ///< From the start of the run; an instant in the past means now.
 };
 void visit(fields::Visitor& v, Request& p);
 
-/// Keys that hold others as text, and may be written as an object instead.
+/// Keys whose value is an object written as text; they may also be written as an object.
 inline constexpr std::array<std::string_view, 2> kFoldedKeys{"fault", "set"};
 
 /// JSON text of a document that is equal to it.
 [[nodiscard]] std::string json_text(const Value& document);
 
-/// Bytes of the longest key or value of a request, but for a `fault` or `set` that is written as a
-/// text: the longest path of a file on Linux (PATH_MAX).
+/// Maximum length in bytes of a key or value of a request, but for a `fault` or `set` that is
+/// written as a text: the maximum path length on Linux (PATH_MAX).
 inline constexpr std::size_t kMaxRequestWord = 4096;
 
-/// A request from text, JSON or YAML, of whoever it comes; `name` stands for it in messages, `verb`
-/// is the request's verb whatever the text says of it (empty: the text says it). What `fault` and
-/// `set` hold is parsed, too. What is wrong goes to `problems`, and nothing is returned.
+/// Reads a request from text, JSON or YAML, whatever its origin. `name` names the text in messages;
+/// `verb`, unless empty, replaces the verb that the text gives. Also parses what `fault` and `set`
+/// hold. On an error returns nullopt and appends to `problems`.
 [[nodiscard]] std::optional<Request> read_request(const std::string& text, const std::string& name,
                                                   Problems& problems, std::string_view verb = {});
 

@@ -1,34 +1,34 @@
-// The door to a run's desk for other processes: HTTP on a Unix socket or a loopback port.
+// Access to a run's commands for other processes: HTTP on a Unix socket or a loopback port.
 //
 //   POST /command      a request of commands.h as JSON or YAML; the reply's JSON (desk.h)
 //   GET  /state, /read the same without a body
 //   GET  /metrics      the figures of the report so far, as Prometheus reads them
 //   GET  /openapi.json what may be asked, made from the table of these and the commands' own rules
 //
-// Status 200 done, 400 no request, 404 and 405 no such path or verb, 409 refused, 410 the run has
-// ended. Where GET is served HEAD is, too.
+// Status 200 done, 400 malformed request, 404 and 405 no such path or verb, 409 refused, 410 the
+// run has ended. Where GET is served, HEAD is, too.
 //
-// A Unix socket is its owner's alone (mode 0600). On a port every request needs
-// "Authorization: Bearer TOKEN", and is refused (403) when its Host is another than the address, so
-// that no name server makes a page's own address out of it. A request with the header Origin, which
-// browsers set for pages of elsewhere, is refused everywhere.
+// Only its owner can open a Unix socket (mode 0600). On a port every request needs "Authorization:
+// Bearer TOKEN", and is refused (403) when its Host is not the address, so that no name server can
+// make this address part of another page's origin. A request with the header Origin, which browsers
+// set for pages of other origins, is refused everywhere.
 //
 // With a dashboard, at a port:
 //
 //   GET  /             the run's page, and the files that it brings in (hil/control/page_files.h)
 //   GET  /stream       a WebSocket: the run's stream (hil/stream/viewers.h)
 //
-// The page itself needs no token, since it tells nothing of the run; what it asks does. A
-// WebSocket, to which pages can give no header, has it in the query (?token=TOKEN). Origin may be
-// the server's own address then. The page may load nothing from elsewhere and runs no script but
-// those files (Content-Security-Policy).
+// The page itself needs no token, since it reveals nothing of the run; its requests do. A
+// WebSocket, for which pages cannot set a header, has the token in the query (?token=TOKEN). Origin
+// may be the server's own address then. The page may load nothing from other origins and runs no
+// script but those files (Content-Security-Policy).
 //
-// On the thread of its io_context, which in a run is not that of the wires: HTTP and the text of a
-// request are parsed there, and the desk, which is on the thread of the wires, is handed a bounded
-// structure. Requests reach the desk in the order in which they came, since one thread hands them
-// over; a client's next one is read when the one before is answered. Clients that do not read are
-// closed (drivers/http_server.h); one that goes while it waits for an answer gives its place up,
-// and what it asked for is done.
+// Runs on the thread of its io_context, which in a run is not that of the wires: HTTP and the text
+// of a request are parsed there, and the desk, which is on the thread of the wires, is handed a
+// bounded structure. Requests reach the desk in the order in which they came, since one thread
+// hands them over; a client's next one is read when the one before is answered. Clients that do not
+// read are closed (drivers/http_server.h); one that leaves while it waits for an answer gives its
+// place up, and its request is still executed.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -58,8 +58,8 @@ struct ControlEndpoint {
 
 class ControlServer {
  public:
-  /// `token`: of requests at a port. The desk must outlive it, and the dashboard, which may be
-  /// null. Throws drivers::EndpointError.
+  /// `token`: for requests at a port. The desk and the dashboard, which may be null, must outlive
+  /// this. Throws drivers::EndpointError.
   ControlServer(boost::asio::io_context& io, const ControlEndpoint& endpoint, std::string token,
                 Desk& desk, Dashboard* dashboard = nullptr);
 

@@ -451,7 +451,8 @@ std::string Dashboard::seek(std::uint64_t unix_ns, const std::string& request) {
         "forward",
         to_string(desk_->clock()));
   }
-  // Refused at once or answered when time stands there, which may be after this.
+  // The answer comes at once if refused, else when time pauses there, which may be after this
+  // returns.
   const auto refused = std::make_shared<std::string>();
   desk_->carry_out(Request{std::move(command)}, [this, request, refused](const Reply& reply) {
     if (reply.outcome == Reply::Outcome::done) {

@@ -1,9 +1,10 @@
-// A run's page and everybody else who looks on by its stream: joins the stream (hil/stream/) with
-// the desk. Every command of the desk is a service of the stream, what `set` can set are its
-// parameters, what `read` answers a channel, the viewers' transport bar pauses and paces.
+// Connects a run's page and other viewers with the run: joins the stream (hil/stream/) with the
+// desk. Every command of the desk is a service of the stream, what `set` can set are its
+// parameters, the answer to `read` is a channel, and the viewers' transport bar pauses and sets the
+// pace.
 //
-// On the thread of the desk; viewers are on another one (hil/stream/run_stream.h), where what they
-// send is parsed before it is handed over.
+// Runs on the thread of the desk; viewers are on another one (hil/stream/run_stream.h), where what
+// they send is parsed before it is handed over.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -22,11 +23,11 @@
 
 namespace rigwire::hil {
 
-/// What a run's stream begins with.
+/// Returns what a run's stream begins with.
 [[nodiscard]] StreamedRun streamed_run(const RigConfiguration& configuration,
                                        const std::string& session);
 
-/// What one `setParameters` of a viewer asks of one thing.
+/// The part of a viewer's `setParameters` that concerns one target.
 struct ParameterRequest {
   std::string on;
   ParsedRequest parsed;
@@ -34,15 +35,16 @@ struct ParameterRequest {
 
 class Dashboard {
  public:
-  /// The stream hears of the rig's world from now on; before the run. Everything must outlive it.
-  /// `duration`: of the run; nothing: it has no end, and the viewers no transport bar.
+  /// From now on the stream receives the rig's world; to be called before the run. Everything must
+  /// outlive it. `duration`: of the run; empty: it has no end, and the viewers have no transport
+  /// bar.
   Dashboard(boost::asio::io_context& io, RunStream& stream, Rig& rig,
             const RigConfiguration& configuration, std::optional<Duration> duration);
   ~Dashboard();
   Dashboard(const Dashboard&) = delete;
   Dashboard& operator=(const Dashboard&) = delete;
 
-  /// When there is one; before the first viewer.
+  /// Connects the desk; to be called before the first viewer.
   void serve(Desk& desk);
   [[nodiscard]] const PageFiles& files() const { return files_; }
   [[nodiscard]] Viewers& viewers() { return stream_.viewers(); }
@@ -50,7 +52,7 @@ class Dashboard {
  private:
   void tick();
   void offer_commands();
-  /// `refused` and what else is refused goes to `done`.
+  /// Passes `refused` and further refusals to `done`.
   void set_parameters(std::vector<ParameterRequest> requests, std::vector<std::string> refused,
                       const StreamParameters::Done& done);
   [[nodiscard]] std::string control_playback(const protocols::foxglove::PlaybackControl& control);

@@ -41,7 +41,7 @@ Desk::Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run)
           executive, run_.faults, run_.hand, run_.settings, run_.recorder, run_.events})) {
   executive_.add(*this);
   if (run_.events != nullptr) {
-    // On whatever thread it is told.
+    // Called on the thread that logs the event.
     run_.events->inform_desk([this](const RunEvent&) { later([this] { tell_events(); }); });
   }
   if (run_.clock.kind == ClockMode::Kind::step || run_.clock.kind == ClockMode::Kind::drained ||
@@ -63,7 +63,7 @@ void Desk::carry_out(const Request& request, Answer answer) {
   }
   const SimTime at = kStart + request.at;
   if (at <= executive_.now()) {
-    // Devices stand where this instant is.
+    // Brings the devices to this instant.
     executive_.arrive();
     act(request.command, std::move(answer));
     return;

@@ -1,4 +1,4 @@
-// Where the commands of a run are carried out, whichever door they come through.
+// Executes the commands of a run, whatever their origin.
 //
 // Everything is on the thread that runs the executive, which serves the wires, too. A client's text
 // is parsed on the client's side of the hand-over (parse_command()), and comes here as a bounded
@@ -9,19 +9,19 @@
 // kMaxListeners that wait for events. However many clients ask, time moves on between their
 // commands (Executive, "Clients"). The desk is an event source, the last one
 // added: a command with an instant acts when everything that is due up to it has been done, and
-// several of one instant act in the order in which they came. Time stands exactly at the instant
-// that run_until, step or a queued pause names; what was due by then has left.
+// several of one instant act in the order in which they came. Time pauses exactly at the instant
+// that run_until, step or a queued pause names; what was due by then has been sent.
 //
-// Answers. Each request is answered once: when it is done (run_until: when time stands there),
-// when it is refused, or when the run ends before. One client at a time sends time somewhere: while
-// a run_until, a step or a wait is on its way, another one is refused; a seek takes its place.
+// Answers. Each request is answered once: when it is done (run_until: when time has paused there),
+// when it is refused, or when the run ends before. Only one request at a time may move time: while
+// a run_until, a step or a wait is under way, another one is refused; a seek replaces it.
 //
-// A recording that is shown. Its time goes no further than the recorded end, and nobody changes
-// what happened. A seek backward is answered when the run is about to end and begin again.
+// In a replay time goes no further than the recorded end, and commands that would change the run
+// are refused. A seek backward is answered when the run is about to end and begin again.
 //
-// What `read` and `wait` see of the machine is its state at the end of the newest slice, whose
-// instant is told beside it: when time stands within a slice that is up to a slice ahead, when
-// paced up to the lead.
+// `read` and `wait` use the machine's state at the end of the newest slice, and report that instant
+// with it: while time is paused within a slice, it is up to a slice ahead; while the run is paced,
+// up to the lead.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -127,9 +127,9 @@ class Desk final : public EventSource {
     Command command;
     Answer answer;
   };
-  /// A run_until, seek, step or wait on its way.
+  /// A run_until, seek, step or wait under way.
   struct Journey {
-    SimTime until{};  ///< Where it ends at the latest.
+    SimTime until{};  ///< Latest instant at which it ends.
     bool stands_then = false;
     bool waits = false;  ///< For the quantity at `index`.
     std::size_t index = 0;
@@ -161,13 +161,13 @@ class Desk final : public EventSource {
   void end_recording(const Answer& answer);
   /// False: the answer has been given.
   [[nodiscard]] bool may_record(const RecordCommand& command, const Answer& answer);
-  /// Answers those who wait for events.
+  /// Answers the requests that wait for events.
   void tell_events();
   void answer_events(const EventsCommand& command, const Answer& answer);
 
-  /// Whether another journey is on its way; refuses then.
+  /// Returns whether another journey is under way; refuses the request then.
   bool busy(const Answer& answer);
-  /// Whether that is beyond the end of the recording that is shown; refuses then.
+  /// Returns whether `until` is beyond the end of the replayed recording; refuses the request then.
   bool beyond_end(SimTime until, std::string_view path, const Answer& answer);
   void depart(Journey journey);
   void arrive_at(SimTime now);
@@ -175,17 +175,17 @@ class Desk final : public EventSource {
 
   void reply(const Answer& answer, Ruling ruling);
   void done(const Answer& answer, nlohmann::ordered_json more);
-  /// Is told as an event, unless the run has ended.
+  /// Answers with a refusal, and logs it as an event unless the run has ended.
   void refuse(const Answer& answer, Reply::Outcome outcome, nlohmann::ordered_json why);
-  /// When what is due up to now has left.
+  /// Runs `what` after everything due up to now has been sent.
   void later(std::function<void()> what);
   [[nodiscard]] nlohmann::ordered_json machine() const;
 
   boost::asio::io_context& io_;
   Executive& executive_;
   GovernedRun run_;
-  std::list<Queued> queue_;     ///< In order of time, of equals as they came.
-  std::list<Journey> journey_;  ///< One at most.
+  std::list<Queued> queue_;     ///< Sorted by time; of equal times in order of arrival.
+  std::list<Journey> journey_;  ///< At most one.
   std::vector<std::pair<EventsCommand, Answer>> listening_;  ///< The oldest first.
   std::unique_ptr<LiveChanges> changes_;
   bool recording_ends_ = false;

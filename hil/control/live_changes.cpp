@@ -17,11 +17,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What `set` calls it.
+/// The machine's name in `set`.
 constexpr std::string_view kMachine = "machine";
 
-/// What a hand brings into the air: faults of it (sim/weather/air_fault.h), each with the key that
-/// says how much.
+/// Manual overrides of the air: faults of it (sim/weather/air_fault.h), each with the key of its
+/// strength.
 constexpr std::string_view kAir = "air";
 struct AirKey {
   std::string_view kind;
@@ -188,7 +188,7 @@ Ruling LiveChanges::set_machine(const SetCommand& command, const Value& keys) {
   Problems problems;
   Origins origins;
   HandSettings settings = parts_.hand->settings();
-  // What is let go has no value to be read.
+  // A released set point has no value to be read.
   Value taken = keys;
   std::vector<std::string> released;
   std::erase_if(taken.entries, [&](const Value::Entry& entry) {
@@ -227,9 +227,9 @@ Ruling LiveChanges::set_machine(const SetCommand& command, const Value& keys) {
 Ruling LiveChanges::set_air(const Value& keys) {
   struct Change {
     const AirKey* of;
-    std::optional<std::string> value;  ///< Nothing: it is let go.
+    std::optional<std::string> value;  ///< Empty: released.
   };
-  // All of them are looked at before the first one acts.
+  // All of them are checked before the first one acts.
   std::vector<Change> changes;
   for (const Value::Entry& entry : keys.entries) {
     const auto* const of = std::ranges::find(kAirKeys, entry.key, &AirKey::kind);

@@ -1,14 +1,13 @@
-// What is changed of a run while it runs, by whoever asks at its desk: faults begin and end, a hand
-// takes set points of the machine, brings rain, snow or fog into the air, tells a device some of
-// its keys. Each change is told as an event and noted for a recording with what it needs to be done
-// again at the same instant.
+// Changes a run while it runs: begins and ends faults, overrides set points of the machine, brings
+// rain, snow or fog into the air, and changes settings of devices. Each change is reported as an
+// event and noted for a recording with what is needed to repeat it at the same instant.
 //
-// Nothing of a client's text is parsed here: a request that came from outside brings its keys as a
-// tree (commands.h). What is left is to check them against what is changed and to apply them, which
-// is bounded by the number of keys and the length of words of a request.
+// No text of a client is parsed here: a request from outside brings its keys as a tree
+// (commands.h). What is left is to check them and to apply them, which is bounded by the number of
+// keys and the length of words of a request.
 //
-// The air. What a hand brings there is a fault of the air that lasts until it is let go, or until
-// somebody ends that fault.
+// A manual override of the air is a fault of the air that lasts until it is released, or until that
+// fault is ended.
 #pragma once
 
 #include <map>
@@ -30,20 +29,20 @@ namespace rigwire::hil {
 
 class LiveChanges {
  public:
-  /// What it changes, and who hears of it. All must outlive it.
+  /// What it changes, and what it reports to. All must outlive it.
   struct Parts {
     Executive& executive;
     RigFaults& faults;
-    Hand* hand = nullptr;             ///< Null: there are no sticks.
-    RigSettings* settings = nullptr;  ///< Null: no device is told anything.
+    Hand* hand = nullptr;             ///< Null: no manual override.
+    RigSettings* settings = nullptr;  ///< Null: no device can be configured.
     Recorder* recorder = nullptr;     ///< Null: nothing is noted.
-    RunEvents* events = nullptr;      ///< Null: nobody is told.
+    RunEvents* events = nullptr;      ///< Null: no events.
   };
   explicit LiveChanges(Parts parts) : parts_(parts) {}
 
   [[nodiscard]] Ruling begin(const FaultAddCommand& command);
   [[nodiscard]] Ruling end(const FaultClearCommand& command);
-  /// All of its keys or none; of a device those before the one that it refuses.
+  /// Applies all keys or none; for a device, those before the one that it refuses.
   [[nodiscard]] Ruling set(const SetCommand& command);
 
   /// A key that `set` can set, and its value as in a rig's file; empty: it is not overridden.
@@ -73,8 +72,8 @@ class LiveChanges {
   [[nodiscard]] std::vector<std::string> things() const;
   [[nodiscard]] std::string value(const std::string& on, const std::string& key) const;
   [[nodiscard]] bool has_air() const;
-  /// From now on; nothing: `problems` says why. Throws NoSuchFault and std::invalid_argument as
-  /// RigFaults.
+  /// Begins a fault now; nullopt: `problems` says why not. Throws NoSuchFault and
+  /// std::invalid_argument as RigFaults.
   [[nodiscard]] std::optional<RigFaults::Numbered> begin_fault(const std::string& on, Value keys,
                                                                Problems& problems);
   /// Throws NoSuchFault.
@@ -83,8 +82,9 @@ class LiveChanges {
   void note(const nlohmann::ordered_json& request);
 
   Parts parts_;
-  std::map<std::string, std::string> held_;  ///< Set points that a hand holds; as it was written.
-  std::map<std::string, Brought> air_;       ///< By kind of fault.
+  /// Overridden set points, with the value as it was written.
+  std::map<std::string, std::string> held_;
+  std::map<std::string, Brought> air_;  ///< By kind of fault.
 };
 
 }  // namespace rigwire::hil

@@ -1,4 +1,4 @@
-// Telling whoever started a run that every wire is open, and hearing it.
+// Reports that every wire of a run is open, and receives that report.
 #pragma once
 
 #include <array>
@@ -12,29 +12,29 @@ namespace rigwire::hil {
 /// Returns whether the descriptor is a file that users other than its owner may read.
 [[nodiscard]] bool others_can_read(int descriptor);
 
-/// Whether a descriptor is there to be written. Asked before anything is opened, which could get
-/// its number.
+/// Returns whether the descriptor is open for writing. To be called before anything is opened,
+/// which could get its number.
 [[nodiscard]] bool can_be_written(int descriptor);
 
-/// Writes `line` and its end to the descriptor and closes it; a reader that has gone is no fault of
-/// the run. Precondition: can_be_written(descriptor).
+/// Writes `line` and a line end to the descriptor and closes it; ignores a reader that has gone.
+/// Precondition: can_be_written(descriptor).
 void tell_ready(int descriptor, const std::string& line);
 
-/// For who starts a run: a pipe that the run writes its line to.
+/// For a program that starts a run: a pipe that the run writes its line to.
 class ReadyPipe {
  public:
   /// Throws drivers::EndpointError.
   ReadyPipe();
 
-  /// The run's end; programs that are started do not inherit it.
+  /// Descriptor for the run to write to; programs that are started do not inherit it.
   [[nodiscard]] int written() const { return written_->get(); }
-  /// The run has its end: it is closed on this side.
+  /// Closes the written end on this side, once the run has it.
   void handed_over() { written_.reset(); }
 
-  /// Becomes readable, for poll(), when there is something to hear.
+  /// Descriptor for poll(): readable when something has arrived.
   [[nodiscard]] int descriptor() const { return heard_.get(); }
-  /// Reads what is there, waiting for something: the line, without its end, as soon as it is whole.
-  /// Throws drivers::EndpointError when the run ended before.
+  /// Waits for something to read and reads it; returns the line, without its end, as soon as it is
+  /// complete. Throws drivers::EndpointError when the run ended before.
   [[nodiscard]] std::optional<std::string> hear();
 
  private:
@@ -45,7 +45,7 @@ class ReadyPipe {
   std::string line_;
 };
 
-/// Tells a service manager, where the environment names one (sd_notify(3), NOTIFY_SOCKET).
+/// Notifies the service manager that the environment names (sd_notify(3), NOTIFY_SOCKET), if any.
 void notify_service_manager();
 
 }  // namespace rigwire::hil

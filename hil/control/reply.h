@@ -1,21 +1,21 @@
-// What becomes of a request to a run, whichever door it came through.
+// The result of a request to a run, whatever its origin.
 #pragma once
 
 #include <string>
 
 namespace rigwire::hil {
 
-/// What was done, or why not.
+/// A request's outcome, with its answer or the reason of a refusal.
 struct Reply {
   enum class Outcome {
     done,
-    wrong,    ///< The request is none.
+    wrong,    ///< The request is malformed.
     refused,  ///< Not now, or not with this run.
     ended,    ///< The run ended before.
   };
   Outcome outcome = Outcome::done;
-  /// A JSON object: `ok`, `time_ns` (simulated, of the answer), `paused`, and what the verb tells;
-  /// of what is not done `what`, and where known `path`, `found` and `allowed`.
+  /// A JSON object: `ok`, `time_ns` (simulated, of the answer), `paused`, and the verb's result; of
+  /// a refusal `what`, and where known `path`, `found` and `allowed`.
   std::string json;
 };
 

@@ -82,7 +82,7 @@ Rerun::Rerun(const fs::path& recording)
     if (configuration_.buses.contains(wire.about.name)) {
       auto& end = can_ends_[wire.about.name] = std::make_unique<NoCanEnd>();
       own_ends_.buses[wire.about.name] = end.get();
-      // SocketCAN's client is always there; of every other hop the recording tells.
+      // SocketCAN's client is always there; the recording has those of every other hop.
       if (wire.about.address.starts_with("slcan ") || wire.about.address.starts_with("gs_usb ")) {
         own_ends_.with_known_clients.insert(wire.about.name);
       }

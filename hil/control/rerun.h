@@ -1,7 +1,8 @@
-// A recorded run once more: its configuration on wires of its own, which nobody hears, with what
-// its clients did and what governed it at their instants. It runs freely, so that it is the
-// recorded run to the byte as far as that did not hang on the wall clock (docs/replay.md). `rigwire
-// replay FOLDER --verify` compares it, `--dashboard` shows it (hil/control/showing.h).
+// Runs a recorded run again: its configuration on private wires that no program receives, with the
+// recorded actions of its clients and the recorded commands at their instants. It runs freely, and
+// repeats the recorded run to the byte as far as that did not depend on the wall clock
+// (docs/replay.md). `rigwire replay FOLDER --verify` compares it, `--dashboard` shows it
+// (hil/control/showing.h).
 #pragma once
 
 #include <filesystem>
@@ -25,8 +26,8 @@ class Recorder;
 
 class Rerun {
  public:
-  /// Reads all of the recording. Throws std::invalid_argument for a folder that is none, and what
-  /// its rig is refused by; drivers::EndpointError where there is no room for wires.
+  /// Reads all of the recording. Throws std::invalid_argument for a folder that is no recording and
+  /// for what is wrong with its rig; drivers::EndpointError when private wires cannot be made.
   explicit Rerun(const std::filesystem::path& recording);
   ~Rerun();
   Rerun(const Rerun&) = delete;
@@ -49,7 +50,7 @@ class Rerun {
   /// Returns the events of the recorded run: messages of TruthTrack::events.
   [[nodiscard]] const std::vector<RecordedAct>& events() const { return events_; }
 
-  // One run, in this order, and when it is over the next one. What is given must outlive it.
+  // For each run, to be called in this order. The arguments must outlive the run.
 
   /// Resets the state of the previous run.
   void begin_again() { clients_.begin_again(); }

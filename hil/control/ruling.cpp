@@ -89,7 +89,7 @@ Json json_of(const NoSuchFault& error) {
 }
 
 Json json_of(const Problem& problem) {
-  Problem brief = problem;  // the rest stands beside it
+  Problem brief = problem;  // Without `found` and `allowed`, which have keys of their own.
   brief.found.clear();
   brief.allowed.clear();
   Json why{{"what", brief.line()}};

@@ -1,5 +1,5 @@
-// What is said of a request before the instant stands beside it, and how the parts of a run are
-// told in JSON (docs/control.md).
+// Result of a control command, before the current time is added, and the JSON of the parts of a run
+// (docs/control.md).
 #pragma once
 
 #include <cstdint>
@@ -27,13 +27,13 @@ struct Ruling {
 [[nodiscard]] inline Ruling wrong(nlohmann::ordered_json why) {
   return {Reply::Outcome::wrong, std::move(why)};
 }
-/// The first of them.
+/// Reports the first of the problems.
 [[nodiscard]] Ruling wrong(const Problems& problems);
 [[nodiscard]] inline Ruling refused(nlohmann::ordered_json why) {
   return {Reply::Outcome::refused, std::move(why)};
 }
 
-/// Since the start.
+/// Time since the start of the run.
 [[nodiscard]] inline std::int64_t nanoseconds(SimTime time) {
   return (time - kStart).count();
 }
@@ -44,9 +44,9 @@ struct Ruling {
 [[nodiscard]] nlohmann::ordered_json json_of(const FaultWindow& fault);
 [[nodiscard]] nlohmann::ordered_json json_of(const RigFaults::Numbered& fault);
 [[nodiscard]] nlohmann::ordered_json json_of(const RunEvent& event);
-// Why not.
+// Reason of a refusal.
 [[nodiscard]] nlohmann::ordered_json json_of(const NoSuchFault& error);
-// Long paths and values are told in part.
+// Shortens long paths and values.
 [[nodiscard]] nlohmann::ordered_json json_of(const Problem& problem);
 
 }  // namespace rigwire::hil

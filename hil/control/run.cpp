@@ -43,7 +43,8 @@ int exit_code(ExitCode code) {
   return static_cast<int>(code);
 }
 
-/// A reader that has closed is told by the write, not by a signal that would leave links behind.
+/// Makes a write report a reader that has closed; SIGPIPE would end the process and leave links
+/// behind.
 class WithoutSigpipe {
  public:
   WithoutSigpipe() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
@@ -185,7 +186,7 @@ TruthFiles truth_files(const RigConfiguration& configuration, const RunOptions& 
   return files;
 }
 
-/// Null where nothing is recorded and nobody can ask for it.
+/// Null where nothing is recorded and no client can ask for it.
 std::unique_ptr<Recorder> make_recorder(const RigConfiguration& configuration,
                                         const RunOptions& options, const std::string& hash,
                                         OutputFailures& failures, RunEvents& events) {
@@ -289,7 +290,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   if (!options.report_path.empty()) {
     report_file.emplace("the report", options.report_path);
   }
-  // Before a device saves what it is told.
+  // Computed before a device can save settings into its file.
   const bool is_told = report_file || options.onlooker || options.control || options.dashboard ||
                        isolated || !options.record.folder.empty();
   Showing* const shown = options.shown;
@@ -405,7 +406,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   tell_ready(options, *rig, hash, isolated ? &*isolated : nullptr, server ? &*server : nullptr,
              page, token);
   const RunOutcome outcome = execute(*rig, configuration, options, log, events);
-  control_thread.reset();  // nobody asks on while the last answers are given
+  control_thread.reset();  // no further requests while the last answers are given
   if (desk) {
     desk->end();
     io.restart();
@@ -428,13 +429,13 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   interrupts.govern(nullptr);
   log.inform({});
   events.inform_stream({});
-  page_server.reset();  // nobody looks on at a rig that is gone
+  page_server.reset();  // no viewer may use a rig that is gone
   server.reset();
   dashboard.reset();
   if (recorder) {
     recorder->finish(outcome.reached);
   }
-  rig.reset();  // wires and truth are closed before anybody's reader is waited for
+  rig.reset();  // wires and truth are closed before any reader is waited for
 
   if (report_file) {
     try {

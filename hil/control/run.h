@@ -37,14 +37,15 @@ struct RunView {
   std::function<void(const std::string& what)> failed;
 };
 
-/// Somebody who looks on, from when every wire is open to the end of the run.
+/// An observer of a run, from when every wire is open to the end of the run.
 class Onlooker {
  public:
   virtual ~Onlooker() = default;
   Onlooker(const Onlooker&) = delete;
   Onlooker& operator=(const Onlooker&) = delete;
 
-  /// Once, when the wires are closed and the report is written; RunView::status is over then.
+  /// Called once, when the wires are closed and the report is written; RunView::status is invalid
+  /// then.
   virtual void conclude(const RunReport& report) = 0;
 
  protected:
@@ -75,15 +76,16 @@ struct RunOptions {
   /// at a port of its own.
   bool dashboard = false;
   ControlEndpoint page;  ///< Where, when it is at no control's port.
-  /// Is written a line of JSON, and closed, when every wire is open: `control` and `token` of the
-  /// control server, `dashboard` where there is one, and the wire of each device by its name.
+  /// A line of JSON is written to it, and it is closed, when every wire is open: `control` and
+  /// `token` of the control server, `dashboard` where there is one, and the wire of each device by
+  /// its name.
   std::optional<int> ready_descriptor;
-  /// New or empty: the run has wires of its own (hil/rig/isolated_rig.h), and tells them in
-  /// run.json there when it is ready. Empty: the rig's.
+  /// New or empty: the run has private wires (hil/rig/isolated_rig.h), and reports them in run.json
+  /// there when it is ready. Empty text: the rig's wires.
   std::string isolated_folder;
   MakeOnlooker onlooker;  ///< May be empty.
-  /// The recording that is shown, of whose configuration() this is a run; null: it is a run of its
-  /// own. With a page, a clock that follows the wall's and no duration, files or folders.
+  /// The replayed recording, whose configuration() this run has; null: this is no replay. Needs the
+  /// page and a clock that follows the wall's, and excludes a duration, files and folders.
   Showing* shown = nullptr;
   /// Origins of the configuration, for messages that refuse the start; may be null.
   const Origins* origins = nullptr;
@@ -92,9 +94,9 @@ struct RunOptions {
 /// Exit codes of every verb (docs/command-line.md). 128 + n after signal n.
 enum class ExitCode : int { done = 0, failure = 1, usage = 2, environment = 3, different = 5 };
 
-/// Opens the wires, runs, closes them, writes the report. Returns the exit code; says on standard
-/// error what it has to log, and always what kept it from running or ended it. No reader of what it
-/// writes holds it up (hil/record/output_file.h): a signal always ends it.
+/// Opens the wires, runs, closes them, writes the report. Returns the exit code; writes to standard
+/// error what it logs, and always why it could not run or was ended. A reader that stalls cannot
+/// hold it up (hil/record/output_file.h): a signal always ends it.
 [[nodiscard]] int run(const RigConfiguration& configuration, const RunOptions& options);
 
 }  // namespace rigwire::hil

@@ -1,5 +1,5 @@
-// A rerun in front of who looks on: from where it is shown, at which pace, and where it is sent
-// back to. A run cannot go back, so that it ends, and the next one goes as far as it was sent.
+// Playback of a recording for viewers: where it starts, at which pace, and seeking. A run cannot go
+// back: for a seek backward the run ends, and the next one runs to the new instant.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -28,37 +28,38 @@ class Showing {
   /// Returns the recorded end: time goes no further.
   [[nodiscard]] SimTime end() const { return rerun_.end(); }
 
-  /// From where, and how.
+  /// Where playback starts, and how.
   struct Course {
     SimTime from{};
-    bool stands = false;  ///< There.
-    double factor = 1.0;  ///< Else at this pace.
-    /// Somebody looked on before, and is waited for a moment earlier, to see what leads there.
+    bool stands = false;  ///< Pauses at `from`.
+    double factor = 1.0;  ///< Pace, unless paused.
+    /// A viewer was connected before: playback waits for it a moment earlier, so that it sees what
+    /// leads there.
     bool looked_at = false;
   };
-  /// Before the run.
+  /// To be called before the run.
   void begin(const Course& course);
-  /// Whether time stands at first.
+  /// Returns whether time is paused at first.
   [[nodiscard]] bool begins_standing() const { return course_.stands || course_.looked_at; }
-  /// When the desk is, whose thread `io` is of: time goes where it is to begin, and at the recorded
-  /// end it stands. `is_looked_at`: whether somebody looks on.
+  /// To be called once the desk exists, with its thread's `io`: moves time to where playback
+  /// starts, and pauses it at the recorded end. `is_looked_at`: whether a viewer is connected.
   void steer(Desk& desk, Executive& executive, boost::asio::io_context& io,
              std::function<bool()> is_looked_at);
   [[nodiscard]] FreePace& pace() { return pace_; }
-  /// Whether time stands where a seek ends: as `otherwise`, which it does now; of the first one as
-  /// it is to be where the run is to begin.
+  /// Returns whether time pauses where a seek ends: as `otherwise`, the present state; for the
+  /// first seek, as the course says.
   [[nodiscard]] bool stands_then(bool otherwise) {
     return std::exchange(is_coming_, false) ? course_.stands : otherwise;
   }
-  /// To be shown anew when it has ended, from there; nothing: not.
+  /// Shows it again from `from` when this run has ended.
   void show_again(SimTime from, bool stands, double factor);
   [[nodiscard]] const std::optional<Course>& again() const { return again_; }
-  /// Where its page is, as ControlServer::address().
+  /// Sets the address of its page, as ControlServer::address().
   void served_at(std::string address) { address_ = std::move(address); }
   [[nodiscard]] const std::string& address() const { return address_; }
 
  private:
-  /// Once those who look on are back, or long enough: from where time stands to where it is to be.
+  /// Waits until the viewers are back, or until `latest`; then moves time to where playback starts.
   void go_on_when_looked_at(Desk& desk, Executive& executive, boost::asio::io_context& io,
                             std::chrono::steady_clock::time_point latest);
 
@@ -66,7 +67,7 @@ class Showing {
   Course course_;
   FreePace pace_;
   std::function<bool()> is_looked_at_ = [] { return false; };
-  bool is_coming_ = false;  ///< To where it is to begin.
+  bool is_coming_ = false;  ///< On the way to where playback starts.
   bool was_looked_at_ = false;
   std::optional<Course> again_;
   std::string address_;

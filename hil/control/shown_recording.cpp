@@ -52,14 +52,14 @@ int show_recording(const std::filesystem::path& folder, RunOptions options, SimT
       return code;
     }
     course = *showing.again();
-    // Where viewers will look for it again.
+    // Viewers will look for the page at this address again.
     const auto here = parse_control_endpoint(showing.address());
     options.page = here.value_or(options.page);
     options.page.kept = kept;
     if (options.control && options.control->path.empty()) {
       options.control = options.page;
     }
-    // Both were told.
+    // The starting program and the log have been notified once.
     options.ready_descriptor.reset();
     options.log_level = std::max(options.log_level, LogLevel::warning);
   }

@@ -1,4 +1,4 @@
-// A recording on a page, to be looked at from any instant: `rigwire replay FOLDER --dashboard`.
+// Shows a recording on a page, from any instant: `rigwire replay FOLDER --dashboard`.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,10 @@
 
 namespace rigwire::hil {
 
-/// Runs what was recorded once more (hil/control/showing.h) with the page, and again from its start
-/// each time that it is sent back, at the same address and with the same token. `options` say the
-/// pace, who governs it and who is told that it is ready; `from` is where it begins. Returns as
-/// run(), and says on standard error what is not as in the recorded run. Throws as Rerun.
+/// Runs the recording again (hil/control/showing.h) with the page, and once more from its start
+/// after each seek backward, at the same address and with the same token. `options` give the pace,
+/// the control and the descriptor for the ready line; playback starts at `from`. Returns as run(),
+/// and reports on standard error what differs from the recorded run. Throws as Rerun.
 [[nodiscard]] int show_recording(const std::filesystem::path& folder, RunOptions options,
                                  SimTime from);
 

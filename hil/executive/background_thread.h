@@ -1,4 +1,4 @@
-// Work beside the loop, which takes what time the loop leaves.
+// Work beside the loop, in the processor time that the loop leaves.
 #pragma once
 
 #include <boost/asio/executor_work_guard.hpp>
@@ -9,16 +9,16 @@
 
 namespace rigwire::hil {
 
-/// Makes the calling thread, and threads that it starts, nicer to others than the rest of the
-/// program: on a busy machine its work waits, and wires do not. Real-time priority (`chrt`) is for
-/// the wires alone.
+/// Lowers the priority of the calling thread, and of threads that it starts, below that of the rest
+/// of the program: on a busy machine its work waits, and wires do not. Real-time priority (`chrt`)
+/// is for the wires alone.
 void yield_to_the_loop();
 
 /// Runs an io_context on a thread that yields to the loop, from construction to destruction. What
 /// has been posted by then is done; what comes later stays in the io_context.
 class BackgroundThread {
  public:
-  /// `failed` is told of an exception that leaves a handler, on that thread, which goes on.
+  /// Calls `failed`, on that thread, for an exception that leaves a handler; the thread continues.
   BackgroundThread(boost::asio::io_context& io,
                    std::function<void(const std::string& what)> failed);
   ~BackgroundThread();

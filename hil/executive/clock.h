@@ -2,7 +2,7 @@
 //
 // A PacedClock is a pure map between a monotonic wall time, which the caller reads and passes in,
 // and simulation time: sim = (wall - anchor) * factor + sim at the anchor. Deadlines are absolute,
-// never sums of sleeps; the anchor moves only when the clock slips, stands, or changes its factor.
+// never sums of sleeps; the anchor moves only when the clock slips, pauses, or changes its factor.
 // The free-running modes have no clock: there simulated time is as far as it has been computed.
 #pragma once
 
@@ -30,7 +30,7 @@ struct ClockMode {
     drained,
   };
   Kind kind = Kind::real;
-  double factor = 1.0;  ///< Simulated seconds per wall second; 1 when real, else meaningless.
+  double factor = 1.0;  ///< Simulated seconds per wall second; 1 unless `kind` is scaled.
 
   /// Returns whether it follows the wall clock.
   [[nodiscard]] bool paced() const { return kind == Kind::real || kind == Kind::scaled; }
@@ -38,7 +38,7 @@ struct ClockMode {
   friend bool operator==(const ClockMode&, const ClockMode&) = default;
 };
 
-/// Ends of what a factor may be.
+/// Range of a factor.
 inline constexpr double kLeastFactor = 0.01;
 inline constexpr double kGreatestFactor = 1000.0;
 
@@ -54,27 +54,26 @@ class PacedClock {
   PacedClock(WallTime start, double factor);
 
   [[nodiscard]] SimTime at(WallTime wall) const;
-  /// WallTime::max() for what lies ahead while it stands.
+  /// Returns WallTime::max() for later instants while the clock is paused.
   [[nodiscard]] WallTime wall_of(SimTime instant) const;
 
-  /// Lets simulation time fall back by `lag` against wall time: the answer to a host that stalled,
-  /// so that nothing is sent in a burst to catch up.
+  /// Lets simulation time fall back by `lag` against wall time, after a stall of the host, so that
+  /// nothing is sent in a burst to catch up.
   void slip(Duration lag);
   [[nodiscard]] Duration slipped() const;
 
-  /// From now on it shows `instant`.
+  /// Pauses the clock at `instant`.
   void stand(SimTime instant);
-  /// At `wall` it shows what it shows while it stands, and goes on from there. Nothing while it
-  /// goes.
+  /// Resumes at `wall` from the instant at which it was paused. No effect while it runs.
   void go_on(WallTime wall);
-  /// It goes at another pace from `wall` on. Precondition: factor > 0.
+  /// Changes the pace from `wall` on. Precondition: factor > 0.
   void set_factor(WallTime wall, double factor);
   [[nodiscard]] double factor() const;
 
  private:
   struct Course {
     WallTime wall;  ///< The anchor.
-    SimTime sim;    ///< What it shows there.
+    SimTime sim;    ///< Simulation time at the anchor.
     double factor;
     bool stands = false;
 

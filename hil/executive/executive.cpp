@@ -115,8 +115,8 @@ class DeadlineTimer {
   std::shared_ptr<bool> armed_;  ///< Shared with handlers that may run after this object is gone.
 };
 
-/// The one with the least instant, and that instant; of equals the first in the list, null and
-/// kNever when all have none.
+/// Returns the item with the earliest instant, and that instant; the first of equals; null and
+/// kNever when no item has one.
 template <class Item, class Instant>
 std::pair<Item*, SimTime> earliest(const std::vector<Item*>& items, Instant instant) {
   std::pair<Item*, SimTime> found{nullptr, kNever};
@@ -207,7 +207,7 @@ class Executive::TruthThread {
   }
 
  private:
-  /// A clock that stands has no deadline.
+  /// Limit of a wait, since a paused clock has no deadline.
   static constexpr Duration kLongestWait = std::chrono::seconds{1};
 
   void loop(const PacedClock& clock) {
@@ -278,7 +278,7 @@ class Executive::TruthThread {
 /// What a free run asks of the truth and hands over later, as a paced one did.
 class Executive::LateRequests {
  public:
-  /// What is there at the start is taken at once.
+  /// The requests at the start are taken at once.
   explicit LateRequests(const std::vector<RequestHandover>& plan) {
     plan_.push_back({kStart, kStart});
     for (const RequestHandover& one : plan) {
@@ -299,12 +299,12 @@ class Executive::LateRequests {
     held_.emplace_back(plan_[next_++].taken, TruthRequests());
     requests.move_to(held_.back().second);
   }
-  /// What was promised then, each once; nothing: it was not asked for.
+  /// Returns what was promised then, each once; nullopt: it was not asked for.
   std::optional<SimTime> promised(SimTime asked) {
     auto found = promised_.extract(asked);
     return found ? std::optional(found.mapped()) : std::nullopt;
   }
-  /// Adds to `requests` what is taken at that frontier.
+  /// Adds to `requests` those that are taken at that frontier.
   void release(SimTime frontier, TruthRequests& requests) {
     for (; !held_.empty() && held_.front().first <= frontier; held_.pop_front()) {
       held_.front().second.move_to(requests);
@@ -403,7 +403,7 @@ void Executive::hand_over_as(const std::vector<RequestHandover>& plan) {
 
 SimTime Executive::next_wakeup() const {
   SimTime wakeup = kNever;
-  // What is not later than now_ waits for samples beyond the frontier.
+  // An instant up to now_ waits for samples beyond the frontier.
   const auto consider = [&](SimTime instant) {
     if (instant > now_) {
       wakeup = std::min(wakeup, instant);

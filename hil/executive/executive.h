@@ -8,26 +8,27 @@
 // back and act from the truth's frontier on, that is up to `lead` later.
 //
 // Free-running, one thread does both, slice by slice, and what is sent does not depend on wall
-// time. A paced run is the same run once more when what was asked of the truth is followed from the
-// same frontiers on (hand_over_as()).
+// time. Running freely repeats a paced run when the truth follows the requests from the same
+// frontiers on (hand_over_as()).
 //
-// Time can stand: pause() is acted on between two events, so that whoever is an event source can
-// stop it at an instant of its own with everything before it done. Clients are still served then;
-// what they send arrives at that instant, and devices answer when time goes on.
+// Pause. pause() takes effect between two events, so that an event source can pause time at an
+// instant of its own with everything before it done. Clients are still served then; what they send
+// arrives at that instant, and devices answer when time resumes.
 //
 // Clients. What they send is served between two turns of the loop for a bounded time: clients that
-// ask without end keep neither time nor a wire from moving on.
+// send without end hold up neither time nor a wire.
 //
 // Order. Events run in order of time, at equal instants in the order of add(); so do outlets, among
 // themselves, when the events up to that instant have run. Stations take samples and ask of the
 // truth in the order of their indices.
 //
 // Ownership. It owns nothing: the io_context, the truth and what is added must live as long as it
-// runs. Errors. A fault (of the truth, or a device that does not move on) ends the run and is told
-// in its outcome; what a handler of the io_context throws comes out of run_free() and run_paced().
+// runs. Errors. A fault (of the truth, or a device that does not advance) ends the run and is
+// reported in its outcome; what a handler of the io_context throws comes out of run_free() and
+// run_paced().
 //
 // It knows no kind of sensor, no device and no wire: samples, plans and commands lie on shelves
-// (hil/executive/shelves.h) that only the truth's sensor and the device's station look into.
+// (hil/executive/shelves.h) that only the truth's sensor and the device's station read.
 #pragma once
 
 #include <array>
@@ -53,11 +54,11 @@ class io_context;
 
 namespace rigwire::hil {
 
-/// What becomes of a paced run that lies behind the wall clock by more than a limit, because the
-/// host stalled or is too slow.
+/// What to do when a paced run lies behind the wall clock by more than a limit, because the host
+/// stalled or is too slow.
 enum class OverrunPolicy {
   slip,  ///< Simulated time gives up the lag.
-  warn,  ///< Everything is late, and is sent as fast as it goes until the lag is made up.
+  warn,  ///< Everything is late, and is sent as fast as possible until the lag is made up.
   stop,  ///< The run ends with a fault.
 };
 inline constexpr std::array<std::string_view, 3> kOverrunPolicies{"slip", "warn", "stop"};
@@ -76,11 +77,11 @@ struct RunOutcome {
   SimTime reached{};                    ///< Simulated time up to which devices were run.
   double wall_s = 0.0;                  ///< From the first slice's deadline to the end.
   Duration slipped{0};                  ///< Given up against wall time because the host stalled.
-  std::uint64_t slips = 0;              ///< How often.
-  std::uint64_t overruns = 0;           ///< Slips, and what came of other policies.
+  std::uint64_t slips = 0;              ///< Number of slips.
+  std::uint64_t overruns = 0;           ///< Slips, and overruns with other policies.
   std::vector<Overrun> first_overruns;  ///< At most kOverrunsKept.
-  std::uint64_t expiries = 0;           ///< How often clients were not waited for any longer.
-  double waited_s = 0.0;                ///< For clients, wall time.
+  std::uint64_t expiries = 0;           ///< Number of waits for clients that reached their limit.
+  double waited_s = 0.0;                ///< Wall time spent waiting for clients.
   std::optional<std::string> fault;     ///< Why it ended early, if it did.
 };
 
@@ -103,19 +104,20 @@ struct PacedSettings {
 
 /// For a free run that waits for its clients.
 struct ClientPatience {
-  /// Whether they have taken all that has left so far. Asked on the wire thread, again and again.
+  /// Whether they have taken all that was sent so far. Polled on the wire thread.
   std::function<bool()> taken;
-  /// Wall time that is waited at most, slice by slice.
+  /// Maximum wall time of the wait for one slice.
   std::chrono::nanoseconds patience = std::chrono::seconds{1};
-  /// It was not enough; what `taken` says may be otherwise from now on.
+  /// Called when that was exceeded; the result of `taken` may differ from then on.
   std::function<void()> expired;
 };
 
-/// What stations asked of the truth by an instant, and from which of its frontiers on it followed.
+/// Requests of stations to the truth up to an instant, and the frontier from which it followed
+/// them.
 struct RequestHandover {
   SimTime asked{};
   SimTime taken{};
-  bool promised = false;  ///< Nothing was handed over: soonest_request() said so.
+  bool promised = false;  ///< No request was handed over; soonest_request() returned `taken`.
 
   friend bool operator==(const RequestHandover&, const RequestHandover&) = default;
 };
@@ -136,36 +138,39 @@ class Executive {
   /// In the order of the calls.
   [[nodiscard]] const std::vector<Outlet*>& outlets() const { return outlets_; }
 
-  /// For a handler that got bytes from a client: runs all devices up to the present and returns it.
-  /// Where the host has held this thread up, nobody knows when they came: the middle of that time
-  /// is taken for the present. So the host costs a client at most half of a stall on either side of
-  /// its bytes, and a device's time-out does not take the host for a client that fell silent.
+  /// To be called by a handler that got bytes from a client: runs all devices up to the present and
+  /// returns it. If the host has stalled this thread, the bytes came at an unknown instant: the
+  /// middle of the stall is taken for the present. So the host costs a client at most half of a
+  /// stall on either side of its bytes, and a device does not time out a client because of the
+  /// stall.
   SimTime arrive();
 
   /// Ends the run after the present event; what is due by then still leaves. From any thread.
   void stop();
   [[nodiscard]] bool stopped() const { return stopped_; }
 
-  /// Hears of every slice when it is known, before the devices come into it: its end, and the
-  /// machine's state then. On the wire thread. Before a run.
+  /// Calls `listener` on the wire thread for every slice when it is known, before the devices enter
+  /// it: with its end, and the machine's state then. To be called before a run.
   using SliceListener = std::function<void(SimTime until, const std::vector<double>& state)>;
   void on_slice(SliceListener listener) { slice_listener_ = std::move(listener); }
 
-  /// Hears of everything that is asked of the truth in a paced run, and promised, where it hangs on
-  /// the wall clock when the truth follows. On the wire thread, the former in order of time.
+  /// Calls `listener` on the wire thread for every request to the truth, and every promise, of a
+  /// paced run, where the wall clock determines when the truth follows; the requests come in order
+  /// of time.
   using HandoverListener = std::function<void(const RequestHandover&)>;
   void on_handover(HandoverListener listener) { handover_listener_ = std::move(listener); }
-  /// run_free() asks and follows as that paced run did, so that it is the same run. Before it.
+  /// Makes run_free() follow requests as that paced run did, so that it repeats it. To be called
+  /// before it.
   void hand_over_as(const std::vector<RequestHandover>& plan);
 
   // On the wire thread, before a run or within it.
-  /// Goes to the truth with what the stations ask next, on the first one's shelves.
+  /// Sends `request` to the truth with what the stations ask next, on the first one's shelves.
   template <class Request>
   void ask(const Request& request) {
     asked_.push_back(
         [request](TruthRequests& requests) { requests.of<Request>(0).push_back(request); });
   }
-  /// Time stands after the present event.
+  /// Pauses time after the present event.
   void pause();
   void resume();
   [[nodiscard]] bool paused() const { return paused_; }
@@ -215,7 +220,7 @@ class Executive {
   [[nodiscard]] SimTime present() const;
   void fail(const std::string& what);
   // While paced.
-  /// Acts as the policy says where the truth, or this thread, is too far behind `wanted`.
+  /// Applies the policy when the truth, or this thread, is too far behind `wanted`.
   void watch_lag(SimTime wanted);
   void end_stall();
   void report_overrun(const Overrun& overrun);
@@ -236,7 +241,7 @@ class Executive {
   const PacedSettings* pace_ = nullptr;   ///< Set while paced.
   TruthThread* truth_thread_ = nullptr;   ///< Set while paced.
   SimTime planned_ = kNever;              ///< When this thread means to be awake, while paced.
-  std::unique_ptr<LateRequests> late_;    ///< Null: what is asked is followed in the next slice.
+  std::unique_ptr<LateRequests> late_;    ///< Null: requests are followed in the next slice.
   std::vector<std::function<void(TruthRequests&)>> asked_;
   WireStages wire_stages_;
   StageLaps laps_;
@@ -250,7 +255,7 @@ class Executive {
   HandoverListener handover_listener_ = [](const RequestHandover&) {};
   std::optional<std::string> fault_;
   bool paused_ = false;
-  bool woken_ = false;  ///< Something happened that the paced loop must look at. Wire thread only.
+  bool woken_ = false;  ///< Something happened that the paced loop must handle. Wire thread only.
   std::atomic<bool> stopped_{false};
 };
 

@@ -1,5 +1,5 @@
-// The pace of a free run that somebody looks at: what is computed and sent hangs on no wall time,
-// how soon it is seen does.
+// The pace of a free run with viewers: wall time determines when its output is seen, not what is
+// computed and sent.
 #pragma once
 
 #include "hil/executive/clock.h"
@@ -9,24 +9,24 @@ namespace rigwire::hil {
 
 class FreePace {
  public:
-  /// What a run is late by is made up as long as it is no more than this; so is no time that stood.
+  /// Limit of the lag that a run makes up; a longer lag, such as a pause, is given up.
   static constexpr Duration kMadeUp = std::chrono::milliseconds{50};
 
   /// Precondition: factor > 0, simulated seconds per wall second.
   explicit FreePace(double factor) : factor_(factor) {}
 
-  /// Whether a run that has come to `now` may go on; true once for each `now` is what it counts
-  /// from then. Instants and wall times never go back.
+  /// Returns whether a run that has come to `now` may proceed. Counts from the last `now` for which
+  /// it returned true. Instants and wall times never go back.
   [[nodiscard]] bool lets_go(SimTime now, WallTime wall);
   /// Precondition: factor > 0.
   void set_factor(double factor) { factor_ = factor; }
-  /// Up to that instant as fast as it goes.
+  /// Runs as fast as possible up to that instant.
   void hasten(SimTime until) { hastens_until_ = until; }
 
  private:
   double factor_;
   SimTime hastens_until_ = kStart;
-  SimTime left_ = kStart;  ///< Where it was let go last,
+  SimTime left_ = kStart;  ///< Instant at which the run last proceeded,
   WallTime due_{};         ///< and when that was due.
 };
 

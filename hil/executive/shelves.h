@@ -1,10 +1,10 @@
-// What travels between truth and stations, whatever it is: a shelf for each station and type. Down
-// go samples, up go sample plans and commands.
+// Typed channels between truth and stations: a shelf for each station and type. Samples go to the
+// stations; sample plans and commands go to the truth.
 //
-// The executive hands shelves over without knowing what lies on them: only the sensor that puts a
-// thing there and the station that takes it share its type. A type is found by comparing a
-// station's few shelves (two or three), so whoever works on a shelf looks it up once per slice or
-// step, never for each thing on it.
+// The executive hands shelves over without knowing what lies on them: only the sensor that puts an
+// item there and the station that takes it share its type. A type is found by comparing a station's
+// few shelves (two or three), so code that uses a shelf looks it up once per slice or step, never
+// for each item on it.
 #pragma once
 
 #include <cstddef>
@@ -49,17 +49,17 @@ class Shelves {
     return known<T>(station);
   }
 
-  /// One more than the greatest index of a station that has a shelf; 0 without.
+  /// Returns the maximum index of a station that has a shelf, plus one; 0 without.
   [[nodiscard]] std::size_t stations() const { return by_station_.size(); }
 
   /// Empties every shelf.
   void clear();
-  /// Things on all shelves.
+  /// Number of items on all shelves.
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] bool empty() const { return size() == 0; }
 
-  /// Puts everything behind what lies on the same shelves of `other`, which must be another object,
-  /// and empties these.
+  /// Appends everything to the same shelves of `other`, which must be another object, and empties
+  /// these.
   void move_to(Shelves& other);
 
  private:

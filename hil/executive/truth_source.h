@@ -1,5 +1,5 @@
-// Where samples come from: the simulated world, a recording, or somebody else's simulator. The
-// executive and the emulators do not notice which.
+// Where samples come from: the simulated world, a recording, or another simulator. The executive
+// and the emulators work alike with all of them.
 //
 // One thread at a time calls advance(): when paced the truth thread, and before that starts the
 // caller's for the first lead; when free-running the wire thread. The caller owns requests and
@@ -51,11 +51,11 @@ class TruthSource {
  public:
   virtual ~TruthSource() = default;
 
-  /// Once, before the first advance(): whether simulated time follows a clock. Where it does, truth
+  /// Called once, before the first advance(). `paced`: simulated time follows a clock; truth then
   /// waits for nothing that is computed beside it.
   virtual void begin(bool /*paced*/) {}
 
-  /// The length of one slice, the grain in which truth is produced.
+  /// Returns the length of one slice, in which truth is produced.
   [[nodiscard]] virtual Duration slice() const = 0;
 
   /// Takes the requests (they act from the present frontier on), then produces one more slice.

@@ -1,5 +1,5 @@
-// A campaign: one rig many times, each run with other values of some keys, and what it is judged
-// by.
+// A campaign: one rig run many times, each run with other values of some keys, and the criteria by
+// which its runs are judged.
 //
 //   name: forest drive
 //   rig: unimog_forest                  # a file beside this one, or a name of `rigwire list rigs`
@@ -33,7 +33,7 @@
 
 namespace rigwire::hil {
 
-// How the values of a parameter are spread. A value is text as a rig's file has it: "2.5 bar".
+// Distributions of a parameter's values. A value is text as in a rig's file: "2.5 bar".
 
 struct ListedValues {
   static constexpr fields::Named kNamed{"values", "The values of a list."};
@@ -101,7 +101,7 @@ inline constexpr std::array<fields::Choice<CampaignDesign>, 5> kCampaignDesigns{
      {CampaignDesign::sobol, "sobol",
       "Points of Sobol's sequence, shifted by chance: evenly spread in all parameters together; "
       "runs a power of two."}}};
-/// Whether the number of runs is the user's.
+/// Returns whether the user gives the number of runs.
 [[nodiscard]] constexpr bool is_sampled(CampaignDesign design) {
   return design != CampaignDesign::grid && design != CampaignDesign::one_at_a_time;
 }
@@ -181,8 +181,9 @@ struct Campaign {
   Duration duration = std::chrono::seconds{60};
   /// Limit on the wall time of one run; a run that takes longer is ended and not judged.
   Duration patience = std::chrono::hours{1};
-  /// The field program and its arguments. {NAME} stands for a parameter, {KEY.PATH} for a value of
-  /// the run's rig, {index}, {seed}, {folder} for the run's own, {campaign} for this file's folder.
+  /// The field program and its arguments. {NAME} is replaced by a parameter, {KEY.PATH} by a value
+  /// of the run's rig, {index}, {seed}, {folder} by the run's own, {campaign} by this file's
+  /// folder.
   std::vector<std::string> program;
   CampaignDesign design = CampaignDesign::grid;
   std::uint32_t runs = 0;  ///< Number of runs, for designs that sample their parameters.

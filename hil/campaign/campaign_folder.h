@@ -1,11 +1,11 @@
-// What a campaign leaves on the disk. The folders are the truth; everything else is made of them.
+// The files of a campaign. The run folders are the source of everything else.
 //
-//   FOLDER/plan.json            which campaign it is; whoever runs another one into it is refused
+//   FOLDER/plan.json            which campaign it is; no other one can run in this folder
 //   FOLDER/table.csv            index, seed and parameters of every run
 //   FOLDER/runs/000017/         one run
 //     rig.yaml                  the effective configuration: `rigwire run` takes it
 //     report.json, events.json  figures and events of the run
-//     rig.log, program.log      what the rig and the field program said
+//     rig.log, program.log      output of the rig and of the field program
 //     truth.jsonl               with keep_truth
 //     result.json               values, verdicts, drive
 //     DONE                      written last, by rename, when all else is on the disk

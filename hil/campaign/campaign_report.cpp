@@ -57,7 +57,8 @@ std::string without_number(std::string_view word) {
   return std::ranges::any_of(rest, is_letter) ? std::string(word) : "#";
 }
 
-/// Every number that stands alone is "#", so that what differs in such numbers only is the same.
+/// Replaces every number that is a word of its own by "#", so that texts that differ in such
+/// numbers only become equal.
 std::string without_numbers(std::string_view text) {
   const auto belongs = [](char c) { return is_digit(c) || is_letter(c) || c == '.' || c == '-'; };
   std::string general;
@@ -386,7 +387,7 @@ std::string scatter_picture(const CampaignTable& table, const NumericColumn& x,
     }
     const double px = axes.x(x.numbers[i]);
     const double py = axes.y(y.numbers[i]);
-    // A shape beside the colour, for whoever cannot tell them apart.
+    // A shape beside the colour, for readers who cannot distinguish the colours.
     const std::string shape =
         row.outcome == Outcome::passed
             ? fmt::format(R"(<circle cx="{:.1f}" cy="{:.1f}" r="4" fill="currentColor"/>)", px, py)

@@ -157,8 +157,8 @@ std::optional<std::size_t> first_of(const Signals& signals, const std::vector<in
   return std::nullopt;
 }
 
-/// Asks in a thread; `descriptor` becomes readable when the answer is there, or none will come. A
-/// rig that does not answer holds it until it has ended.
+/// Asks in a thread; `descriptor` becomes readable when the answer has come, or none will come. The
+/// destructor waits for a rig that does not answer until it has ended.
 class Asked {
  public:
   Asked(const ControlEndpoint& endpoint, const Json& request)
@@ -166,7 +166,7 @@ class Asked {
           try {
             answer_ = Json::parse(ask_control(endpoint, "", request.dump()).body);
           } catch (const std::exception&) {
-            // The rig is gone; its own end tells why.
+            // The rig is gone; how it ended says why.
           }
           is_there_ = true;
           const std::uint64_t one = 1;

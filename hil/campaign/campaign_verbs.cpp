@@ -55,8 +55,8 @@ std::string find_campaign(const std::string& campaign) {
   return campaign;
 }
 
-/// Runs that have the least and the greatest number of each parameter, or each of its words: what a
-/// rig refuses of a parameter by itself, it refuses of one of these.
+/// Returns runs that have the minimum and the maximum of each numeric parameter, or each of its
+/// words: a value that a rig refuses by itself is in one of these.
 std::vector<PlannedRun> outermost(const std::vector<PlannedRun>& runs, std::size_t parameters) {
   std::set<std::size_t> chosen{0};
   for (std::size_t i = 0; i < parameters; ++i) {

@@ -1,4 +1,4 @@
-// Tables as CSV (RFC 4180): fields with commas, quotes or ends of lines stand in quotes.
+// Tables as CSV (RFC 4180): fields with commas, quotes or line ends are quoted.
 #pragma once
 
 #include <filesystem>

@@ -48,7 +48,6 @@ namespace {
 using Kind = Endpoint::Kind;
 using Identities = std::vector<conform::CaseIdentity>;
 
-/// All cases that a device of the suite may meet.
 template <class Case>
 Identities identities_of(std::vector<Case> cases) {
   Identities all;
@@ -324,7 +323,8 @@ bool asks_for_any(const Identities& identities, bool conform::SuiteOptions::*opt
   });
 }
 
-/// An option that asks for cases of which the suite has none, and leave to move what is not meant.
+/// Refuses options for cases that the suite does not have, --limit for a suite that only listens,
+/// and --moves for another endpoint.
 void check_options(const ConformRequest& request) {
   struct Option {
     std::string_view name;

@@ -1,5 +1,5 @@
-// What `rigwire conform` does: opens the way to a device, holds it to its profile by a suite of
-// conform/, and tells what came of it.
+// What `rigwire conform` does: opens a device, checks it against its profile with a suite of
+// conform/, and reports the results.
 #pragma once
 
 #include <ostream>
@@ -10,12 +10,12 @@
 
 namespace rigwire::hil {
 
-/// The suites that there are.
+/// Returns the names of the suites.
 [[nodiscard]] std::vector<std::string> conformance_suites();
 
-/// The exit code (docs/command-line.md): different where a case fails or is otherwise than
-/// expected, environment where the device cannot be reached. Throws ConfigurationError, and
-/// std::invalid_argument for words that are none.
+/// Returns the exit code (docs/command-line.md): different when a case fails or differs from what
+/// was expected, environment when the device cannot be reached. Throws ConfigurationError, and
+/// std::invalid_argument for unknown words.
 [[nodiscard]] int conform(const ConformRequest& request, std::ostream& out, std::ostream& err);
 
 }  // namespace rigwire::hil

@@ -1,4 +1,4 @@
-// The YAML file in which a device's claims stand that a conformance suite holds it to.
+// The YAML file with a device's claims, against which a conformance suite checks it.
 #pragma once
 
 #include <chrono>

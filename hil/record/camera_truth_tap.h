@@ -1,4 +1,4 @@
-// Ground truth behind the pictures of a run: files in a folder, never a device.
+// Ground truth of the pictures of a run: files in a folder, never sent to a device.
 //
 //   labels.json                     what the numbers mean, when the run begins
 //   CAMERA.jsonl                    a line for each picture, in the order of its exposures
@@ -10,20 +10,20 @@
 //   CAMERA_000012_instances.png     place in the table `instances`, red + 256 green + 65536 blue,
 //                                   as panoptic segmentations of COCO have it; 0: nothing
 //
-// What is true is that of each pixel of the picture's first part, at the middle of that pixel's
+// The truth of each pixel of the picture's first part is that at the middle of that pixel's
 // exposure. 12 is the number of the exposure, counted from 0 for each camera; those that were
 // skipped are missing. A client finds its picture by the time stamp, `sim_s` since power-on: block
 // numbers begin anew with each client, and a picture that was made need not reach a client, as the
-// last of a run whose end comes before its time on the wire.
+// last of a run that ends before the picture is sent.
 //
 // labels.json: {"rigwire_camera_truth": 1, "start_utc", "labels": ["", …], "instances":
 // [null, {"name", "label"}, …]}. A line: {"exposure", "sim_s", "utc", "exposure_us", "gain_db",
-// "region" (offset_x, offset_y, width, height), "files" (by layer)}; its files are there, whole,
-// before it is. What stood in the folder before stays, but for files of the same names.
+// "region" (offset_x, offset_y, width, height), "files" (by layer)}; its files are complete before
+// the line is written. Other files in the folder stay, but for those of the same names.
 //
 // Files are made by a thread of their own. Where simulated time does not follow the wall's, a run
 // waits for it, and the folder holds every picture, the same bytes whatever the threads. A paced
-// run does not: a picture that finds the queue full is left out, which is said once.
+// run does not: a picture that finds the queue full is left out, which is reported once.
 #pragma once
 
 #include <chrono>
@@ -50,9 +50,8 @@ class CameraTruthTap final : public CameraTruthObserver {
  public:
   /// `cameras`: the names of those whose pictures are written. Makes the folder where it is
   /// missing. Throws drivers::EndpointError with path and reason when it cannot be written to, and
-  /// std::invalid_argument for a camera whose name no file can have. What cannot be written later
-  /// is told to `failures`, which may be null; nothing more is written then. `waits`: a full queue
-  /// is waited for.
+  /// std::invalid_argument for a camera whose name no file can have. Reports a later write error to
+  /// `failures`, which may be null, and writes nothing more. `waits`: wait while the queue is full.
   CameraTruthTap(std::filesystem::path folder, const Calendar& calendar, const sim::Scene& scene,
                  const std::vector<std::string>& cameras, OutputFailures* failures, bool waits);
   /// Writes what is left.
@@ -83,7 +82,7 @@ class CameraTruthTap final : public CameraTruthObserver {
   std::condition_variable work_;
   std::condition_variable room_;
   std::deque<Entry> queue_;
-  bool left_out_ = false;  ///< And said.
+  bool left_out_ = false;  ///< A picture was left out, and that was reported.
   bool failed_ = false;
   bool stopping_ = false;
   std::thread thread_;

@@ -1,4 +1,4 @@
-// Tells when something solid begins to push the machine, and when nothing does any more.
+// Reports when something solid begins to push the machine, and when nothing pushes it any more.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace rigwire::hil {
 
-/// Looks at each record of the truth: a touch that lies between two is not seen. A contact that
-/// lets go for less than kOver and returns with the same body and obstacle is one.
+/// Uses each record of the truth: a touch between two records is not seen. A contact that is
+/// interrupted for less than kOver and returns with the same body and obstacle is one contact.
 class ContactWatch final : public TruthObserver {
  public:
   static constexpr Duration kOver = std::chrono::milliseconds{100};

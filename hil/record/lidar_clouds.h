@@ -1,12 +1,12 @@
-// Point clouds for viewers, decoded from the packets that a lidar sent: one turn of the head every
-// so often, as foxglove.PointCloud: JSON in a recording, CDR (protocols/foxglove/cdr_messages.h) in
-// a stream, where each turn is told.
+// Point clouds for viewers, decoded from the packets that a lidar sent: one turn of the head per
+// period, as foxglove.PointCloud: JSON in a recording, CDR (protocols/foxglove/cdr_messages.h) in a
+// stream, which has every turn.
 //
-// A cloud begins and ends where the azimuth passes from 360 to 0 degrees, and is told when its turn
-// is over. Its points are in the sensor's frame, `pose` places that in the link that carries it; a
-// turn takes a tenth of a second, and what the link moves by meanwhile is not taken out. Of packets
-// alone not every model is known (HDL-64E, old firmware), nor how an HDL-64E is calibrated: as
-// other clients are, this one is told.
+// A cloud begins and ends where the azimuth passes from 360 to 0 degrees, and is published when its
+// turn is over. Its points are in the sensor's frame; `pose` places that in the link that carries
+// it. A turn takes a tenth of a second, and the link's motion during it is not compensated. Packets
+// alone identify neither every model (HDL-64E, old firmware) nor the calibration of an HDL-64E: as
+// with other clients, the caller gives both.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -33,11 +33,11 @@ struct RecordedLidar {
 };
 
 struct CloudSettings {
-  Duration every{0};  ///< From a cloud's beginning to the next one's at least; 0: none.
+  Duration every{0};  ///< Minimum time from a cloud's beginning to the next one's; 0: no clouds.
   std::vector<RecordedLidar> lidars;
 };
 
-/// One turn of a head.
+/// One turn of a lidar's head.
 struct LidarCloud {
   SimTime begun{};
   const RecordedLidar& lidar;

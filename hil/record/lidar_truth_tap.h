@@ -1,4 +1,4 @@
-// Ground truth of every lidar shot: a file of fixed records, never a device.
+// Ground truth of every lidar shot: a file of fixed records, never sent to a device.
 //
 // The file begins with one line of JSON and goes on with records to its end, little-endian:
 //
@@ -6,7 +6,7 @@
 //     0     8   instant of the shot, ns of simulated time (signed)
 //     8     2   number of the lidar in the header's `lidars`
 //    10     2   laser, the model's own number
-//    12     4   instance, index into the header's `instances`; 4294967295: nothing was met
+//    12     4   instance, index into the header's `instances`; 4294967295: no hit
 //    16     4   exact range of the first surface in the middle of the beam, m (float); 0: none
 //    20     4   cosine of the incidence there (float)
 //    24     4   range that the sensor measured, strongest echo, m (float); 0: none
@@ -42,8 +42,8 @@ static_assert(kLidarTruthRecordSize == 32);
 class LidarTruthTap final : public LidarTruthObserver {
  public:
   /// `lidars`: the names of all that will be recorded; their order numbers them. Throws
-  /// drivers::EndpointError with path and reason when the file cannot be opened. What cannot be
-  /// written later is told to `failures`, which may be null.
+  /// drivers::EndpointError with path and reason when the file cannot be opened. Reports a later
+  /// write error to `failures`, which may be null.
   LidarTruthTap(const std::filesystem::path& path, const Calendar& calendar,
                 const sim::Scene& scene, std::vector<std::string> lidars,
                 OutputFailures* failures = nullptr,

@@ -13,7 +13,7 @@
 namespace rigwire::hil {
 namespace {
 
-/// JSON has no number for what is not finite.
+/// JSON has no number for infinities and NaN.
 void append_number(std::string& line, double value) {
   if (std::isfinite(value)) {
     fmt::format_to(std::back_inserter(line), "{:.12g}", value);

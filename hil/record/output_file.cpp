@@ -60,7 +60,7 @@ int standard_descriptor_of(const struct stat& file) {
   return -1;
 }
 
-/// Where links lead, also to what is not there yet.
+/// Follows links, also to a file that does not exist yet.
 fs::path resolved(fs::path path) {
   std::error_code error;
   for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++i) {

@@ -1,13 +1,13 @@
-// Files that a run writes for people and scripts: its report, whole at the end, and its truth,
-// while it goes on. What stands at the path decides how:
+// Files that a run writes for people and scripts: its report, complete at the end, and its truth,
+// while it runs. The kind of file at the path decides how:
 //
 //   regular file, nothing   report: a temporary file beside it takes its place (rename), so that a
 //                           reader sees the old report or the new one, and the old one's
 //                           permissions stay. Truth: the file itself, from its beginning, so that
 //                           it can be followed and is there when the run is killed.
-//   symbolic link           what it leads to, be that there or not; the link stays.
+//   symbolic link           its target, whether that exists or not; the link stays.
 //   FIFO, terminal, device  written through, never replaced. A FIFO needs a reader.
-//   standard output's or    written through that, behind what is there.
+//   standard output's or    written through that, after what is there.
 //   error's own file
 //   directory, socket       refused.
 //
@@ -28,11 +28,11 @@
 
 namespace rigwire::hil {
 
-/// What a run promised to write and could not: said once for each file, at once; the run goes on
-/// and ends with exit code 1.
+/// Reports what a run promised to write and could not: once for each file, at once; the run
+/// continues and ends with exit code 1.
 class OutputFailures {
  public:
-  /// `say` is called on the thread that failed and must not wait for anybody.
+  /// `say` is called on the thread that failed and must not block.
   explicit OutputFailures(std::function<void(const std::string&)> say) : say_(std::move(say)) {}
   OutputFailures(const OutputFailures&) = delete;
   OutputFailures& operator=(const OutputFailures&) = delete;
@@ -60,8 +60,8 @@ enum class FileReaders {
 /// Writes the report or another text at once.
 class WholeFile {
  public:
-  /// `path` "-" is standard output; `what` it is in messages ("the report"). Tries that it can be
-  /// written, and leaves everything as it was. Throws drivers::EndpointError with path and reason.
+  /// `path` "-" is standard output; `what` names the file in messages ("the report"). Checks that
+  /// it can be written, and changes nothing. Throws drivers::EndpointError with path and reason.
   WholeFile(std::string what, const std::string& path, FileReaders readers = FileReaders::as_usual);
 
   /// Throws std::runtime_error with path and reason; no temporary file is left then.
@@ -81,11 +81,11 @@ class WholeFile {
   FileReaders readers_ = FileReaders::as_usual;
 };
 
-/// The truth's: grows with the run. What it cannot write is reported once; what follows is dropped.
+/// A truth file, which grows with the run. A write error is reported once; what follows is dropped.
 class GrowingFile {
  public:
-  /// Opens and empties it. `failures` may be null; it must outlive the file. A reader that stalls
-  /// is waited for `patience` when what was not yet taken is more than `kBacklogBytes`. Throws
+  /// Opens and empties it. `failures` may be null; it must outlive the file. Waits up to `patience`
+  /// for a reader that stalls, when more than `kBacklogBytes` have not been taken. Throws
   /// drivers::EndpointError.
   GrowingFile(std::string what, const std::string& path, OutputFailures* failures,
               std::chrono::milliseconds patience);

@@ -7,7 +7,7 @@
 namespace rigwire::hil {
 namespace {
 
-/// In front of an entry's bytes; copied in and out, never looked at in place.
+/// In front of an entry's bytes; copied in and out, never read in place.
 struct Head {
   std::int64_t at_ns = 0;
   std::uint32_t size = 0;
@@ -15,7 +15,7 @@ struct Head {
   std::uint8_t flags = 0;
 };
 
-/// The writer is woken for that much; less waits for its own period.
+/// The writer is woken when this much has come; less waits for its own period.
 constexpr std::size_t kWorthWaking = 64 * 1024;
 
 }  // namespace

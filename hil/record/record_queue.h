@@ -1,5 +1,5 @@
-// What is to be recorded, from the threads where it happens to the one that writes: bounded, and
-// never waited for unless simulated time may wait.
+// A bounded queue of what is to be recorded, from the threads of the run to the one that writes. A
+// full queue blocks a thread only where simulated time may wait.
 #pragma once
 
 #include <chrono>
@@ -13,10 +13,10 @@
 
 namespace rigwire::hil {
 
-/// One thing of a recording.
+/// One entry of a recording.
 struct RecordEntry {
-  std::uint16_t track = 0;  ///< A wire, the truth, the events: the writer's number of it.
-  std::uint8_t flags = 0;   ///< Meaning is the track's.
+  std::uint16_t track = 0;  ///< The writer's number of a wire, the truth or the events.
+  std::uint8_t flags = 0;   ///< Meaning depends on the track.
   SimTime at{};
   std::span<const std::uint8_t> bytes;
 };
@@ -24,24 +24,24 @@ struct RecordEntry {
 /// First in, first out. Any number of threads put, one takes.
 class RecordQueue {
  public:
-  /// Room for `bytes` bytes, twice; the system gives them when they are used. A full queue is
-  /// waited for `patience`; zero: never.
+  /// Room for `bytes` bytes, twice; the system allocates them when they are used. put() waits up to
+  /// `patience` while the queue is full; zero: never.
   RecordQueue(std::size_t bytes, std::chrono::milliseconds patience);
 
-  /// False: there was no room, and the entry is counted as lost for its track. The queue stays full
-  /// for others that wait, too: who did not get room once does not wait again until there is some.
+  /// Returns false, and counts the entry as lost for its track, when there is no room. After one
+  /// put() has waited in vain, later ones do not wait until there is room again.
   bool put(const RecordEntry& entry);
 
-  /// What came since the last call, as one row; waits at most `until` for something. Entries are
-  /// valid until the next call. Empty after close() when nothing is left.
+  /// Returns what came since the last call, in order; waits at most `until` for something. Entries
+  /// are valid until the next call. Empty after close() when nothing is left.
   struct Taken {
     std::vector<RecordEntry> entries;
     std::vector<std::uint64_t> lost;  ///< By track, before the entries.
   };
   [[nodiscard]] const Taken& take(std::chrono::milliseconds until);
-  /// Nothing more is kept of what is put, until open().
+  /// Drops all further entries, until open().
   void close();
-  /// Begins anew, empty. Nobody may be taking.
+  /// Starts again, empty. Precondition: no thread is in take().
   void open();
   [[nodiscard]] bool closed() const;
 

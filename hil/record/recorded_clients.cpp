@@ -18,7 +18,7 @@ namespace pcapng = protocols::pcapng;
 
 namespace {
 
-/// The piece that a line of NAME.ends tells of.
+/// Returns the piece that a line of NAME.ends describes.
 WirePiece piece_of(const std::string& act, WireKind kind, const std::string& wire) {
   std::istringstream words(act);
   std::string what;

@@ -41,19 +41,19 @@ pcapng::IpEnd end_of(const drivers::IpEnd& end) {
 
 }  // namespace
 
-/// Lays out what passes on one wire.
+/// Turns what passes on one wire into packets of the recording.
 class Recorder::Wire final : public WireTap {
  public:
-  /// `further`: who is told as well; may be null.
+  /// `further`: also receives what passes; may be null.
   Wire(Recorder& recorder, std::string name, WireTap* further)
       : recorder_(recorder), name_(std::move(name)), further_(further) {}
 
-  /// Where it stands in the recording that begins; nothing: it is not wanted there.
+  /// Sets the wire's track in the recording that begins; nullopt: the wire is not recorded.
   void begin(std::optional<std::uint16_t> track) {
     track_ = track;
     conversations_.clear();
   }
-  /// How its client has its end.
+  /// Records how the client has set its end.
   void tell_end(SimTime at) {
     if (end_) {
       put_end(at, *end_);
@@ -137,7 +137,7 @@ class Recorder::Wire final : public WireTap {
   void put_end(SimTime at, const std::string& text) {
     write(kWireEnd, at, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
-  /// Keeps how the client has its end, and tells when it comes or goes.
+  /// Keeps how the client has set its end, and reports when it comes or goes.
   void watch(SimTime now, const WirePiece& piece);
   void tell_client(SimTime now, bool came, std::string_view how);
 
@@ -287,7 +287,7 @@ void Recorder::Wire::received(const WirePiece& piece) {
   }
 }
 
-/// Tells of faults when they begin and end, and of each second's figures.
+/// Records faults when they begin and end, and the figures of each second.
 class Recorder::Watch final : public EventSource {
  public:
   Watch(Recorder& recorder, std::function<RecordedStatus()> status,
@@ -609,14 +609,14 @@ void Recorder::put(TruthTrack track, SimTime at, std::string_view text) {
 }
 
 void Recorder::hear(const RunEvent& event) {
-  // A recording does not tell where it lies: the same run's bytes are the same in any folder.
+  // A recording does not contain its own path: the same run's bytes are the same in any folder.
   const bool of_itself =
       event.kind == EventKind::recording_began || event.kind == EventKind::recording_ended;
   if (!of_itself && truth_on_.load(std::memory_order_acquire)) {
     const std::string text =
         log_message(run_.start_unix_ns, event.at, event.level,
                     kEventKinds[static_cast<std::size_t>(event.kind)], event.text);
-    // Whoever reports that there is no room tells an event.
+    // If there is no room, put() reports that, which is an event again.
     put(static_cast<std::uint16_t>(TruthTrack::events), 0, event.at,
         {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }

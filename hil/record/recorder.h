@@ -1,18 +1,19 @@
 // Records a run: everything that passes on its wires, its truth, its events, into a folder
-// (hil/record/recording_writer.h), beside the run and without any device knowing of it. It is there
-// from the run's start; recordings begin and end, one at a time. In between it tells of the run's
-// events alone, and what passes on the wires goes by.
+// (hil/record/recording_writer.h), without any device knowing of it. It exists from the run's
+// start; recordings begin and end, one at a time. Between recordings it only reports the run's
+// events.
 //
-// Beginning and end. A recording holds what is due at or after its beginning, up to and with its
-// end, and of the truth what lies beyond what had been computed when it began.
+// Beginning and end. A recording holds what is due from its beginning up to and including its end,
+// and of the truth what lies beyond what had been computed when it began.
 //
-// Order. Wires tell of what is due in order of time; what a client sent waits in an outlet of the
+// Order. Wires report what is due in order of time; what a client sent waits in an outlet of the
 // recorder's own until its instant comes in that order, first among equals. So the files are in
 // order of time, and a free run gives the same bytes each time.
 //
-// Cost. The threads of the run copy what they tell into a bounded queue; a thread of the recorder's
-// own does the rest. When the queue is full, because a disk is slower than the wires for long, what
-// passes is lost, counted and told at once. Nothing waits for it but simulated time where that does
+// Cost. The threads of the run copy their data into a bounded queue; a thread of the recorder's own
+// does the rest. When the queue is full, because a disk is slower than the wires for long, further
+// data is lost, counted and reported at once. Only simulated time waits for the disk, and only
+// where it does not follow the wall's.
 // not follow the wall's.
 #pragma once
 
@@ -48,11 +49,11 @@ class QueuedOutlet;
 struct RequestHandover;
 
 struct RecordOptions {
-  std::string folder;             ///< Made where it is not there, else empty; "": none is meant.
+  std::string folder;             ///< Created, or an empty one; "": no recording.
   std::vector<std::string> only;  ///< Names of wires, or "truth"; empty: everything.
 };
 
-/// What the recorder asks of a run from time to time.
+/// State of a run that the recorder queries periodically.
 struct RecordedStatus {
   struct Device {
     std::string name;
@@ -70,7 +71,7 @@ struct RecordedStatus {
 class Recorder {
  public:
   /// `patience`: how long simulated time may wait for the disk, zero where it follows the wall's.
-  /// `failures` and `events` must outlive it; of the events it hears until its end.
+  /// `failures` and `events` must outlive it; it listens to the events until its end.
   Recorder(RecordedRun run, std::chrono::milliseconds patience, OutputFailures& failures,
            RunEvents& events);
   /// Without finish() the files end as those of a run that was killed.
@@ -84,8 +85,8 @@ class Recorder {
 
   /// Before the first outlet; the executive must outlive every call but the destructor's.
   void attach(Executive& executive);
-  /// The tap of a wire, which lives as long as the recorder. A name that another wire has is told
-  /// apart by the wire's kind.
+  /// Returns the tap of a wire, which lives as long as the recorder. If another wire has that name,
+  /// the kind is added to it.
   [[nodiscard]] WireTap& add_wire(const std::string& name, WireKind kind,
                                   const std::string& address);
   /// Called with each wire that is added, whether it is recorded or not; returns a tap that also
@@ -147,14 +148,14 @@ class Recorder {
   class Arrivals;
   class Watch;
 
-  /// False: there was no room.
+  /// Returns false when there was no room.
   bool put(std::uint16_t track, std::uint8_t flags, SimTime at,
            std::span<const std::uint8_t> bytes);
-  /// Tells when it is the first that finds no room.
+  /// Puts the entry and reports the first one that finds no room.
   void put_told(std::uint16_t track, std::uint8_t flags, SimTime at,
                 std::span<const std::uint8_t> bytes);
   void put(TruthTrack track, SimTime at, std::string_view text);
-  /// On the wire thread, of the recording that is on its way.
+  /// Puts a line into the present recording. Wire thread only.
   void put_line(std::uint16_t track, SimTime at, std::string_view text);
   void put_line(const RequestHandover& handover);
   /// Returns whether what is due at `at` on a wire belongs to the recording.
@@ -169,7 +170,7 @@ class Recorder {
   }
   void hear(const RunEvent& event);
   void write_all();
-  /// The writer has written all that there was.
+  /// Waits until the writer has written everything.
   void end_thread();
 
   RecordedRun run_;

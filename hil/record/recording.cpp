@@ -93,7 +93,7 @@ std::optional<WireKind> kind_of(std::string_view name) {
   return std::nullopt;
 }
 
-/// What stands in the description; everything else is counted from the files.
+/// Reads the description; everything else is counted from the files.
 RecordingContents read_description(const fs::path& folder, bool& with_truth) {
   const fs::path path = folder / kDescriptionFile;
   RecordingContents contents;

@@ -1,4 +1,4 @@
-// A recording that was written (hil/record/recording_writer.h): what it holds, and a piece of it.
+// Reads a finished recording (hil/record/recording_writer.h), and cuts a piece out of it.
 //
 // Recordings of runs that were killed are read as far as their files are whole.
 #pragma once
@@ -49,8 +49,8 @@ struct RecordingContents {
   std::vector<Note> notes;  ///< Comments of packets, in order of time.
 };
 
-/// Throws drivers::EndpointError where a file cannot be read, std::invalid_argument naming file and
-/// place where it is none of a recording.
+/// Throws drivers::EndpointError when a file cannot be read, std::invalid_argument with file and
+/// place when it is no file of a recording.
 [[nodiscard]] RecordingContents read_recording(const std::filesystem::path& folder);
 
 /// A line of wires/NAME.ends, commands.log or requests.log (hil/record/recording_writer.h).
@@ -58,11 +58,11 @@ struct RecordedAct {
   SimTime at{};
   std::string text;
 };
-/// Empty where the recording has no such file. Throws std::invalid_argument with file and line, and
-/// drivers::EndpointError where it cannot be read.
+/// Returns the acts of a wire's client; empty when the recording has no such file. Throws
+/// std::invalid_argument with file and line, and drivers::EndpointError when it cannot be read.
 [[nodiscard]] std::vector<RecordedAct> client_acts(const std::filesystem::path& folder,
                                                    const std::string& wire);
-/// What governed the run and changed it; likewise.
+/// Returns the commands that changed the run; empty or throws like client_acts().
 [[nodiscard]] std::vector<RecordedAct> recorded_commands(const std::filesystem::path& folder);
 
 /// Returns when the truth was asked and followed in a run that followed the wall clock; empty or
@@ -81,13 +81,13 @@ void each_message(
     const std::filesystem::path& folder,
     const std::function<void(TruthTrack track, SimTime at, std::string_view text)>& use);
 
-/// For people.
+/// Returns a description for people.
 [[nodiscard]] std::string to_text(const RecordingContents& contents);
 [[nodiscard]] std::string to_json(const RecordingContents& contents);
 
 /// Writes what is at or after `from` and before `to` into a folder that is new or empty: a
-/// recording with the same calendar. Also makes a whole one of one that was killed. Throws as
-/// read_recording(), and where the folder cannot be written.
+/// recording with the same calendar. Also completes the recording of a run that was killed. Throws
+/// as read_recording(), and when the folder cannot be written.
 void cut_recording(const std::filesystem::path& folder, SimTime from, SimTime to,
                    const std::filesystem::path& out);
 

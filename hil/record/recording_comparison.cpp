@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 namespace pcapng = protocols::pcapng;
 using PlainJson = nlohmann::json;
 
-/// How much of a serial line before a difference, and behind it, is looked at for its message.
+/// Bytes of a serial line before and after a difference in which its message is searched.
 constexpr std::size_t kContext = 4096;
 
 /// How many units the recorder says found no room on the wire (hil/record/recording_writer.cpp).
@@ -107,7 +107,7 @@ class StreamComparison {
     std::optional<Unit> right = found.next();
     for (std::optional<Unit> left = recorded.next(); left && left->at <= end;
          left = recorded.next()) {
-      // What the first says is missing in it may stand in the second.
+      // What the first recording reports as missing may be in the second.
       for (std::uint64_t i = 0; i < left->missing_before && right &&
                                 (right->at != left->at || right->bytes != left->bytes);
            ++i) {

@@ -1,5 +1,5 @@
-// A file of a recording: it grows by whole blocks, and is good after each of them, whatever happens
-// to the program or the disk.
+// A file of a recording: it grows by whole blocks, and is valid after each of them, whatever
+// happens to the program or the disk.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace rigwire::hil {
 
-/// Told once when something cannot be written, and once when it can again.
+/// Called once when something cannot be written, and once when it can again (`over`).
 using TellTrouble = std::function<void(const std::string& what, bool over)>;
 
 class RecordingFile {
@@ -21,8 +21,8 @@ class RecordingFile {
   /// Makes the file, which must not be there. Throws drivers::EndpointError with path and reason.
   RecordingFile(std::filesystem::path path, TellTrouble tell);
 
-  /// Writes all of it. False: the disk took it in part or not at all; the file ends where it did
-  /// before. Waits for the disk, as long as that takes.
+  /// Writes all of it. Returns false when the disk took only a part or nothing; the file then ends
+  /// where it did before. Waits for the disk, as long as that takes.
   bool write(std::span<const std::uint8_t> bytes);
 
   [[nodiscard]] std::uint64_t size() const { return size_; }
@@ -36,19 +36,19 @@ class RecordingFile {
   bool troubled_ = false;
 };
 
-/// Collects blocks, of which each belongs to a track, and hands them over many at a time.
+/// Collects blocks, each of one track, and writes many at a time.
 class BlockFile {
  public:
   BlockFile(std::filesystem::path path, TellTrouble tell)
       : file_(std::move(path), std::move(tell)) {}
 
-  /// To be filled with the next blocks.
+  /// Buffer to which the next blocks are appended.
   [[nodiscard]] std::vector<std::uint8_t>& bytes() { return waiting_; }
-  /// What was just appended is one unit of that track.
+  /// Ends a unit of that track: the bytes appended since the last call.
   void end_unit(std::size_t track);
-  /// Writes what waits. What the disk does not take is lost, and counted by track.
+  /// Writes the waiting blocks. Those that the disk does not take are lost, and counted by track.
   void flush();
-  /// How many units of the track were lost since the last call.
+  /// Returns how many units of the track were lost since the last call.
   [[nodiscard]] std::uint64_t take_lost(std::size_t track);
 
   static constexpr std::size_t kWorthWriting = 256 * 1024;

@@ -297,7 +297,7 @@ void RecordingWriter::write_frame(Wire& wire, const RecordEntry& entry) {
     }
   }
   const std::uint64_t time_us = unix_ns(entry.at) / 1000;
-  // "R": heard by a client, "T": sent by it.
+  // "R": received by a client, "T": sent by it.
   hil::append(wire.frames->bytes(),
               fmt::format("({}.{:06}) {} {} {}\n", time_us / 1'000'000, time_us % 1'000'000,
                           wire.about.name, text, (entry.flags & kInbound) != 0 ? 'T' : 'R'));
@@ -322,7 +322,7 @@ void RecordingWriter::write_line(BlockFile& file, const RecordEntry& entry) {
   file.end_unit(0);
 }
 
-/// The index tells of bytes that are there.
+/// Writes the bytes before their lines of the index, which names only bytes that are in the files.
 void RecordingWriter::flush_serial(Wire& wire) {
   const bool sent = wire.sent_waiting.empty() || wire.sent->write(wire.sent_waiting);
   const bool received =

@@ -1,28 +1,29 @@
-// The files of a recording, from what was told: one thread's work, beside the run.
+// Writes the files of a recording, on a thread of their own beside the run.
 //
 //   FOLDER/recording.json      what it is: run, wires, files; again at the end, with what was lost
 //   FOLDER/rig.yaml            the effective configuration
 //   FOLDER/all.pcapng          every wire
 //   FOLDER/truth.mcap          truth, events, statistics, configuration
-//   FOLDER/commands.log        what governed the run and changed it: "SECONDS {"verb":"set",...}",
-//                              from the run's start on, so that a replay can do the same
-//   FOLDER/requests.log        what hung on the wall clock: "SECONDS SECONDS", up to when the truth
-//                              had been asked and from when on it followed, and "SECONDS SECONDS
-//                              promised", from when on it would; likewise
+//   FOLDER/commands.log        commands that changed the run: "SECONDS {"verb":"set",...}",
+//                              from the run's start on, so that a replay can repeat them
+//   FOLDER/requests.log        requests that depended on the wall clock: "SECONDS SECONDS", up to
+//                              when the truth had been asked and from when on it followed, and
+//                              "SECONDS SECONDS promised", from when on it would; also from the
+//                              run's start on
 //   FOLDER/wires/NAME.pcapng   one wire
 //   FOLDER/wires/NAME.log      a CAN bus as candump -L -x writes it
 //   FOLDER/wires/NAME.bytes    what a device sent on a serial line
-//   FOLDER/wires/NAME.client   what it was sent
-//   FOLDER/wires/NAME.index    when: a line for each piece, "SECONDS > OFFSET LENGTH" of the
+//   FOLDER/wires/NAME.client   what its client sent
+//   FOLDER/wires/NAME.index    their times: a line for each piece, "SECONDS > OFFSET LENGTH" of the
 //                              device, "SECONDS < OFFSET LENGTH" of its client; lines with # are
 //                              comments
 //   FOLDER/wires/NAME.ends     of a serial line or a CAN bus, what its client did with its end:
 //                              "SECONDS open 9600" (bit/s; on a bus also listen_only, one_shot),
 //                              "SECONDS closed", and when it offered a frame to the bus, "SECONDS
-//                              frame 18EAFFFE#00EE00": so a replay can do the same
+//                              frame 18EAFFFE#00EE00": so that a replay can repeat it
 //
-// Equal calls give equal bytes. What a disk does not take is counted and told in the files as soon
-// as they can be written again: packets carry the number of those lost before them.
+// Equal calls give equal bytes. What a disk does not take is counted and reported in the files as
+// soon as they can be written again: packets carry the number of those lost before them.
 #pragma once
 
 #include <array>
@@ -62,13 +63,13 @@ struct RecordedRun {
   std::string configuration;    ///< YAML.
   SimTime begin{};              ///< What is due from here on is recorded.
   SimTime truth_begin{};        ///< The truth from here on: it runs ahead of the wires.
-  bool clients_before = false;  ///< Clients had acted before, which nobody knows any more.
-  bool tells_requests = true;   ///< False: from when there was no requests.log.
+  bool clients_before = false;  ///< Clients acted before; those acts are not kept.
+  bool tells_requests = true;   ///< False: recorded by a version without requests.log.
   CloudSettings clouds{};
 };
 
 struct RecordedWire {
-  std::string name;  ///< Also of its files.
+  std::string name;  ///< Also the name of its files.
   WireKind kind = WireKind::serial;
   std::string address;  ///< What a client opens.
 };
@@ -77,7 +78,7 @@ struct RecordedWire {
 inline constexpr std::uint16_t kCommandTrack = kTruthTracks;
 /// Track of the lines of requests.log, without the instant.
 inline constexpr std::uint16_t kRequestTrack = kCommandTrack + 1;
-/// Behind what was only promised.
+/// Ends a line of requests.log that is only a promise.
 inline constexpr const char* kPromised = " promised";
 /// The track of a wire by its index.
 [[nodiscard]] constexpr std::uint16_t wire_track(std::size_t wire) {
@@ -91,7 +92,7 @@ inline constexpr std::uint8_t kWireLost = 2;  ///< No packet: the wire did not t
 inline constexpr std::uint8_t kWireNote = 4;  ///< No packet: a comment for the next one.
 inline constexpr std::uint8_t kWireEnd = 8;   ///< No packet: what a client did, for NAME.ends.
 
-/// How much of what was not recorded.
+/// Counts of what was recorded, and of what was not.
 struct RecordingTotals {
   struct Wire {
     std::uint64_t packets = 0;
@@ -115,11 +116,11 @@ class RecordingWriter {
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
   void write(const RecordEntry& entry);
-  /// So many of a track never came here.
+  /// Counts entries of a track that were lost before they came here.
   void lost(std::uint16_t track, std::uint64_t count);
-  /// What was written so far goes to the disk, but for an unfinished chunk of messages.
+  /// Writes everything so far to the disk, but for an unfinished chunk of messages.
   void flush();
-  /// Ends the files, with what belongs at an end. Nothing may follow.
+  /// Ends the files with their final parts. No further call may follow.
   void finish(SimTime end);
   [[nodiscard]] const RecordingTotals& totals() const { return totals_; }
 

@@ -1,12 +1,12 @@
-// What happens in a run, as a list of events with simulated instants: faults, slips, contacts,
-// clients that come and go, what was refused, set by hand, recorded. Everybody who wants the list
-// has this one: the control surface by number, a recording as it grows.
+// The events of a run with their simulated instants: faults, slips, contacts, clients that come and
+// go, refusals, manual overrides, recordings. The control surface reads this list by number, a
+// recording as it grows.
 //
-// Order. Events are numbered from 1 as they are told. What the truth tells lies ahead of the wires
-// and waits until their time has reached it, so that the instants rise but for what is told while
-// it happens beside simulated time (a warning of the log).
+// Order. Events are numbered from 1 as they are reported. Events of the truth lie ahead of the
+// wires and wait until their time has reached them, so that the instants rise, but for events that
+// happen beside simulated time (a warning of the log).
 //
-// Memory. The newest kKept are kept; who asks for older ones is told how many are lost to it.
+// Memory. The newest kKept are kept; since() counts the older ones that are lost.
 #pragma once
 
 #include <array>
@@ -36,9 +36,9 @@ enum class EventKind : std::uint8_t {
   contact_ended,  ///< Nothing has pushed it for a while.
   client_came,    ///< A client opened a wire.
   client_left,
-  set,       ///< A hand set a set point of the machine.
-  released,  ///< A hand let one go.
-  refused,   ///< A request to the control surface was not carried out.
+  set,       ///< A set point or setting was set manually.
+  released,  ///< A manual override was released.
+  refused,   ///< A request to the control surface was refused.
   recording_began,
   recording_ended,
   notice,  ///< A warning or an error of the log.
@@ -68,10 +68,10 @@ class RunEvents final : public EventSource {
   /// the wires have not reached.
   void tell_ahead(SimTime at, EventKind kind, LogLevel level, std::string where, std::string text);
 
-  /// Those after the one of number `since`, as far as they are kept.
+  /// The events after number `since`, as far as they are kept.
   struct Excerpt {
     std::vector<RunEvent> events;
-    std::uint64_t lost = 0;  ///< After `since`, and kept no longer.
+    std::uint64_t lost = 0;  ///< Number of those after `since` that are not kept any more.
     std::uint64_t last = 0;  ///< Number of the newest there is, to be the next `since`.
   };
   [[nodiscard]] Excerpt since(std::uint64_t number) const;
@@ -90,7 +90,7 @@ class RunEvents final : public EventSource {
     return next_.load(std::memory_order_acquire);
   }
   [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
-  /// What was told ahead up to `now` gets its number.
+  /// Numbers the events up to `now` that were reported in advance.
   void advance(SimTime now) override;
 
  private:

@@ -28,7 +28,7 @@ spdlog::level::level_enum level_of(LogLevel level) {
   return spdlog::level::err;
 }
 
-/// What stands for a time in a pattern: that of the run, not of the day.
+/// Puts the run's simulated time, not the day's, into a pattern.
 class SimulatedTime final : public spdlog::custom_flag_formatter {
  public:
   explicit SimulatedTime(const std::function<SimTime()>& now) : now_(now) {}
@@ -70,7 +70,7 @@ class RunLog::StandardError final : public spdlog::sinks::base_sink<std::mutex> 
     if (taker_ && taker_(text.substr(0, text.size() - 1))) {
       return;
     }
-    // Nobody is left to be told when this fails, too.
+    // If this fails, too, there is nowhere to report it.
     static_cast<void>(drivers::Output(STDERR_FILENO).write(text, std::chrono::steady_clock::now()));
   }
   void flush_() override {}
@@ -123,7 +123,7 @@ void RunLog::apart(LogLevel level, std::string_view text) {
 
 void complain(const std::string& text, std::chrono::milliseconds patience) {
   const std::string line = "rigwire: " + printable(text, "\n") + "\n";
-  // Nobody is left to be told when this fails, too.
+  // If this fails, too, there is nowhere to report it.
   static_cast<void>(
       drivers::Output(STDERR_FILENO).write(line, std::chrono::steady_clock::now() + patience));
 }

@@ -1,11 +1,10 @@
-// What a run has to say to people while it goes on: a line each, from any thread, with level and
-// simulated time.
+// The messages of a run for its user: a line each, from any thread, with level and simulated time.
 //
 //   rigwire: 12.345 s: warning: pty /tmp/rigwire/gnss: the link was removed; it is there again
 //
-// Before the first instant and after the end of a run the time is left out. Nobody logs but who is
-// given a log; without one a rig is silent. What keeps a run from beginning, and what ends it, is
-// no line of the log: it is always told, by complain().
+// Before the first instant and after the end of a run the time is left out. Only code that is given
+// a log writes to it; without one a rig is silent. The reason why a run cannot begin, or has ended,
+// is no line of the log: complain() always writes it.
 #pragma once
 
 #include <array>
@@ -39,22 +38,22 @@ inline constexpr std::array<std::string_view, 4> kLogLevels{"debug", "info", "wa
 
 class RunLog {
  public:
-  /// Lines from `least` on, to standard error or where divert() says. A reader that does not read
-  /// is not waited for: the line is lost, for a run waits for nobody.
+  /// Writes lines of level `least` and above to standard error or where divert() says. Does not
+  /// wait for a reader that stalls: the line is lost.
   explicit RunLog(LogLevel least);
-  /// Lines from `least` on, to a sink of the caller's, whose pattern is set here.
+  /// Writes such lines to a sink of the caller's, whose pattern is set here.
   RunLog(LogLevel least, std::shared_ptr<spdlog::sinks::sink> sink);
   ~RunLog();
   RunLog(const RunLog&) = delete;
   RunLog& operator=(const RunLog&) = delete;
 
-  /// From any thread. What a terminal would obey in the text is spelled out.
+  /// May be called from any thread. Control characters in the text are escaped.
   void debug(std::string_view text) { say(LogLevel::debug, text); }
   void info(std::string_view text) { say(LogLevel::info, text); }
   void warning(std::string_view text) { say(LogLevel::warning, text); }
   void error(std::string_view text) { say(LogLevel::error, text); }
 
-  /// A line that whoever is informed hears of otherwise.
+  /// Logs a line without calling the listener, which receives the message in another way.
   void apart(LogLevel level, std::string_view text);
 
   /// Sets the source of the simulated time of later lines, called by the thread that logs; empty:
@@ -85,9 +84,9 @@ class RunLog {
   std::unique_ptr<spdlog::logger> logger_;
 };
 
-/// Why a run did not begin or ended before it should, whatever the level of the log: writes
-/// "rigwire: TEXT" to standard error; what a terminal would obey in it is spelled out. A reader
-/// that does not read is waited for `patience`, then the line is lost: a run waits for nobody.
+/// Reports why a run did not begin or ended early, whatever the level of the log: writes "rigwire:
+/// TEXT" to standard error, with control characters escaped. Waits up to `patience` for a reader
+/// that stalls; then the line is lost.
 void complain(const std::string& text,
               std::chrono::milliseconds patience = std::chrono::milliseconds{0});
 

@@ -14,7 +14,7 @@
 namespace rigwire::hil {
 namespace {
 
-/// JSON has no number for what is not finite.
+/// JSON has no number for infinities and NaN.
 std::string number(double value) {
   return std::isfinite(value) ? fmt::format("{:.12g}", value) : "null";
 }

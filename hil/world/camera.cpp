@@ -281,7 +281,7 @@ class WorldCamera final : public WorldSensor {
     settle(pending, pending.made.taken.picture != nullptr);
   }
 
-  /// Tells automatic exposure of it, once.
+  /// Reports it to automatic exposure, once.
   void settle(Pending& pending, bool measured) {
     if (!pending.exposure_free && !pending.gain_free) {
       return;
@@ -296,7 +296,7 @@ class WorldCamera final : public WorldSensor {
     --unmeasured_;
   }
 
-  /// The oldest exposure that automatic exposure has not heard of.
+  /// Settles the oldest exposure that automatic exposure still waits for.
   void measure_first(bool may_wait) {
     for (Pending& pending : pending_) {
       if (!pending.exposure_free && !pending.gain_free) {
@@ -364,7 +364,7 @@ class WorldCamera final : public WorldSensor {
   std::deque<Exposure> open_;  ///< In order of their beginnings and of their ends.
   std::deque<Pending> pending_;
   sim::AutoExposure automatic_;
-  std::size_t unmeasured_ = 0;  ///< Exposures that automatic_ has chosen and not heard of.
+  std::size_t unmeasured_ = 0;  ///< Exposures that automatic_ has chosen and that are not settled.
   DugNodes dug_;
   bool paced_ = false;
   bool prepared_ = false;

@@ -7,15 +7,16 @@
 // processed, `processing` after the end of the last row's exposure.
 //
 // Free-running, every picture is there: the run waits for it at that instant. Paced, the run never
-// waits: a picture that is being rendered then is handed over when it is ready, marked late, up to
-// as long again. What is later, or has not been begun, is told as a sample without a picture.
+// waits: a picture that is still being rendered then is handed over when it is ready, marked late,
+// up to as long again. A later one, or one that has not been begun, becomes a sample without a
+// picture.
 //
-// Pictures between their exposure and their handing over are kept in a memory of their own, as a
-// camera has one. What has no room in it when its exposure begins is told as a sample without a
+// Pictures between their exposure and their handing over are kept in a memory of their own, as in a
+// camera. A picture that has no room in it when its exposure begins becomes a sample without a
 // picture, also free-running: which ones these are depends on simulated time alone.
 //
-// What is true behind a picture is computed with it, for a CameraTruthObserver that wants it, and
-// told when the picture is handed over.
+// The ground truth of a picture is computed with it, for a CameraTruthObserver that wants it, and
+// reported when the picture is handed over.
 //
 // Automatic exposure acts with its lag, counted in exposures. It is clipped to the plan's period;
 // paced, a picture that is not there when its lag is over is not measured.

@@ -63,7 +63,7 @@ sim::CameraKind smaller_kind(const sim::CameraParameters& kind) {
   return smaller(kind);
 }
 
-/// The left head alone; it stands where the mount is.
+/// Keeps the left head alone, at the mount.
 sim::CameraKind smaller_kind(const sim::StereoCameraParameters& kind) {
   return smaller(kind.camera);
 }

@@ -1,11 +1,10 @@
-// Small pictures of a rig's cameras for people who watch them while no client takes the cameras'
-// own pictures.
+// Small pictures of a rig's cameras for viewers, while no client takes the cameras' own pictures.
 //
-// When a slice is over, a preview of one camera is begun if somebody watches that camera, if the
-// camera exposes for no client, and if its last preview is kPreviewPeriod of wall time old. A
-// thread of its own, nicer than the run, renders what the camera would see at the end of that
-// slice, in a twin of the scene (sim/scene/scene.h). The run never waits for it. While nobody
-// watches, nothing is rendered; while time is paused, no slice ends and no preview begins.
+// When a slice is over, a preview of one camera is begun if that camera has a viewer, if it exposes
+// for no client, and if its last preview is kPreviewPeriod of wall time old. A thread of its own,
+// with lower priority than the run, renders what the camera would see at the end of that slice, in
+// a twin of the scene (sim/scene/scene.h). The run never waits for it. Without viewers nothing is
+// rendered; while time is paused, no slice ends and no preview begins.
 //
 // A preview changes no byte of the run: it draws from random streams of its own, has light and air
 // of its own (CameraSurroundings), and puts nothing on a shelf. Which instants are shown depends on
@@ -60,7 +59,7 @@ struct PreviewViewers {
   std::function<void(std::string what)> failed;
 };
 
-/// The camera whose pictures are previews of that kind's.
+/// Returns the kind of camera whose pictures are previews of `kind`'s.
 [[nodiscard]] sim::CameraKind preview_of(const sim::CameraKind& kind);
 
 /// `terrain`: the first of the scene. `surroundings` must not be those of the rig's cameras.

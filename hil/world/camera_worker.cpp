@@ -105,7 +105,7 @@ std::optional<std::string> CameraWorker::fault() const {
   return fault_;
 }
 
-/// Entries that are done and that nobody asks for any more.
+/// Removes finished jobs at the front that have been taken or forgotten.
 void CameraWorker::drop_front() {
   while (first_ < next_ && entries_.front()->forgotten && entries_.front()->made) {
     entries_.pop_front();

@@ -1,16 +1,15 @@
-// Pictures beside the loop: one worker for each camera, on a thread of its own.
+// Renders pictures beside the loop: one worker for each camera, on a thread of its own.
 //
-// What a picture is of is settled when its exposure is over: where camera and bodies were, dug
+// The content of a picture is fixed when its exposure is over: where camera and bodies were, dug
 // ground, dust, where everything fixed was placed. All of it goes into a job, so that the live
-// scene can go on; the worker renders the job in a twin of that scene (sim/scene/scene.h), which
-// shares meshes and everything fixed with it. A second scene, built whole, would cost a scene's
-// memory for each camera; the live one itself could be cast into only while it stands still.
+// scene can continue; the worker renders the job in a twin of that scene (sim/scene/scene.h), which
+// shares meshes and everything fixed with it. A second complete scene would cost a scene's memory
+// for each camera; rays can be cast into the live one only while it does not change.
 //
-// Jobs are done in the order in which they came. A picture depends on its job, on the jobs before
-// it as far as they say where the ground was dug, and on nothing else: not on how fast the worker
-// is, nor on its threads.
+// Jobs are done in the order in which they came. A picture depends on its job, on the dug ground of
+// the jobs before it, and on nothing else: neither on how fast the worker is, nor on its threads.
 //
-// The thread is nicer to others than the rest of the program, so that on a busy machine pictures
+// The thread has a lower priority than the rest of the program, so that on a busy machine pictures
 // wait, and wires do not.
 #pragma once
 
@@ -44,7 +43,7 @@ struct CameraJob {
   std::vector<sim::BodyMotion> bodies;
   std::optional<DugGround> dug;  ///< Ground dug since the job before.
   std::optional<sim::DustCloud> dust;
-  bool with_truth = false;  ///< What is true behind the picture is wanted, too.
+  bool with_truth = false;  ///< Compute the picture's ground truth, too.
 };
 
 class CameraWorker {
@@ -77,7 +76,7 @@ class CameraWorker {
   [[nodiscard]] bool begun(Number job) const;
   /// Discards a job; take() must not be called for it again.
   void forget(Number job);
-  /// What a job failed by, the first one.
+  /// Returns why a job failed, the first one.
   [[nodiscard]] std::optional<std::string> fault() const;
 
   [[nodiscard]] const sim::CameraSensor& sensor() const { return *sensor_; }
@@ -85,8 +84,8 @@ class CameraWorker {
  private:
   struct Entry {
     CameraJob job;
-    bool waited = false;     ///< For the worker.
-    bool forgotten = false;  ///< Before it was done.
+    bool waited = false;     ///< The job waited for the worker.
+    bool forgotten = false;  ///< Forgotten before it was done.
     std::optional<Made> made;
   };
 

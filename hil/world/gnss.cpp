@@ -62,7 +62,7 @@ class WorldGnss final : public WorldSensor {
   }
 
  private:
-  /// Waits until the scene stands as it is at the end of the slice.
+  /// An epoch that waits until the scene is in its state at the end of the slice.
   struct Epoch {
     SimTime time;
     sim::LinkMotion motion;

@@ -1,7 +1,7 @@
 // Satellite receivers' antennas in the simulated world.
 //
-// The antenna's motion is that of the epoch's own instant; satellites are looked for in the scene
-// as it stands at the end of the slice.
+// The antenna's motion is that of the epoch's own instant; visibility of satellites is computed in
+// the scene at the end of the slice.
 #pragma once
 
 #include <memory>
@@ -14,8 +14,8 @@
 namespace rigwire::hil {
 
 /// Puts a GnssSample on the station's shelf for each epoch of its plan, follows every GnssCommand
-/// and FaultChange<GnssFault> from the next epoch on, and tells where the antenna is under `name`,
-/// the device's in the rig. `frame` is the world's place on Earth.
+/// and FaultChange<GnssFault> from the next epoch on, and reports the antenna's position to the
+/// truth under `name`, the device's in the rig. `frame` is the world's place on Earth.
 [[nodiscard]] std::unique_ptr<WorldSensor> make_world_gnss(StationIndex station,
                                                            std::string_view name,
                                                            const SensorMount& mount,

@@ -1,9 +1,10 @@
-// A hand on the machine's sticks, beside its client's: set points of the machine's ports that hold
-// in place of what the client asks for, each until it is released.
+// Manual override of the machine: set points of its ports that act in place of the client's, each
+// until it is released.
 //
-// Under the hand the client's set points go on: what it asked for last holds again when the hand
-// lets go. The valves' are put back before the devices' commands of each slice and laid over again
-// behind them, so that no step of the physics sees anything but the hand's.
+// The client's set points are still received: the last one acts again when the override is
+// released. The valves' are restored before the devices' commands of each slice are taken, and the
+// overrides applied again after them, so that no step of the physics uses an overridden set point
+// of a client.
 //
 // An Order comes with the requests of a slice and acts from the beginning of that slice. All
 // functions are called on the thread of the truth.
@@ -22,7 +23,7 @@
 
 namespace rigwire::hil {
 
-/// What a hand can set of one machine, with the values that it is given: read like any structure.
+/// The set points of a machine that can be overridden, with their values: read like any structure.
 class HandSettings {
  public:
   enum class Kind {

@@ -32,7 +32,7 @@ void visit(fields::Visitor& v, LidarSensorConfiguration& p);
 /// Throws std::invalid_argument naming the key, the value found and what is allowed.
 void validate(const LidarSensorConfiguration& configuration);
 
-/// What the device says of its head.
+/// What the device requires of its lidar head.
 struct LidarHead {
   LidarPattern pattern;
   SamplePlan plan;
@@ -45,9 +45,9 @@ struct LidarHead {
     const LidarSensorConfiguration& configuration, const LidarHead& head, std::uint64_t seed,
     std::string_view name);
 
-/// Puts the firings of each slice on the station's shelf, follows every LidarCommand, and tells the
-/// truth of its shots under `name`, the device's in the rig. It fires by its pattern, not by its
-/// device's sample plan.
+/// Puts the firings of each slice on the station's shelf, follows every LidarCommand, and reports
+/// the truth of its shots under `name`, the device's in the rig. It fires by its pattern, not by
+/// its device's sample plan.
 [[nodiscard]] std::unique_ptr<WorldSensor> make_world_lidar(
     StationIndex station, std::string_view name, const SensorMount& mount,
     std::unique_ptr<sim::LidarSensor> sensor, LidarPattern pattern);

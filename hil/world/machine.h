@@ -1,5 +1,5 @@
-// The machine of a rig: which topology with which numbers, where it stands, what it looks like. The
-// topologies are machine_types.h's; nothing here knows one of them.
+// The machine of a rig: its topology and parameters, its pose, its looks. machine_types.h has the
+// topologies; no code here depends on one of them.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -38,19 +38,19 @@ class MachineModel {
   virtual void visit(fields::Visitor& v) = 0;
   /// Links that shapes and sensors can be fixed to, in the machine's order.
   [[nodiscard]] virtual std::span<const std::string_view> links() const = 0;
-  /// Those of them that stand on the ground.
+  /// Returns those links that stand on the ground.
   [[nodiscard]] virtual std::span<const std::string_view> standing_links() const = 0;
-  /// What its valve block moves, from section 0 on; empty without one.
+  /// Returns what its valve block moves, from section 0 on; empty without one.
   [[nodiscard]] virtual std::vector<std::string_view> actuators() const { return {}; }
-  /// Whether it has a drive train.
+  /// Returns whether it has a drive train.
   [[nodiscard]] virtual bool drives() const = 0;
-  /// Whether an engine drives pumps there.
+  /// Returns whether it has pumps that an engine drives.
   [[nodiscard]] virtual bool has_power_unit() const = 0;
-  /// Whether it has an engine whose torque moves it, or its pumps.
+  /// Returns whether it has an engine whose torque moves it, or its pumps.
   [[nodiscard]] virtual bool has_engine() const = 0;
-  /// Whether it digs, so that the terrain must be kept in a form that can change.
+  /// Returns whether it digs, so that the terrain must be kept in a form that can change.
   [[nodiscard]] virtual bool changes_ground() const = 0;
-  /// Along world -z, for the inertial units.
+  /// Returns gravity along world -z, for the inertial units.
   [[nodiscard]] virtual double gravity_mps2() const = 0;
   /// Throws std::invalid_argument for parameters that make no machine.
   [[nodiscard]] virtual std::unique_ptr<sim::Machine> make(const MachineSite& site) const = 0;
@@ -61,7 +61,7 @@ void visit(fields::Visitor& v, MachineModel& p);
 
 using MachineType = fields::TypeRow<MachineModel>;
 
-/// The topologies that there are.
+/// Returns all topologies.
 [[nodiscard]] std::span<const MachineType> machine_types();
 
 /// A shape fixed to a link.

@@ -13,7 +13,7 @@
 
 namespace rigwire::hil {
 
-/// Copies as what it is.
+/// Implements copy() for a topology.
 template <class Type>
 class MachineModelOf : public MachineModel {
  public:
@@ -71,7 +71,7 @@ struct RollerMachine final : DrivingMachineOf<RollerMachine> {
   sim::RollerParameters roller;
 
   void visit(fields::Visitor& v) override;
-  /// The kinematic level moves as it is told.
+  /// Without an engine, the kinematic level follows its commands exactly.
   [[nodiscard]] bool has_engine() const override {
     return roller.level == sim::RollerLevel::dynamic;
   }

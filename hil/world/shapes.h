@@ -1,5 +1,4 @@
-// Shapes that rays can meet, with their place: what scenes are furnished with and machines look
-// like.
+// Shapes that rays can hit, with their pose: for furnishing scenes and for the looks of machines.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -20,7 +19,7 @@ struct RollPitchYaw {
 };
 void visit(fields::Visitor& v, RollPitchYaw& p);
 
-/// With that place and rotation.
+/// Returns the pose with that position and rotation.
 [[nodiscard]] Eigen::Isometry3d pose(const Vector3& position_m, const RollPitchYaw& rotation);
 
 /// A box centred on its own origin.

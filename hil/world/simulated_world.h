@@ -1,9 +1,9 @@
 // The truth source that simulates: machine, scene and sensors of sim/, stepped in slices.
 //
 // One slice is a whole number of physics steps. Sensors that sample within a step see the motion
-// interpolated between the step's ends; those that look at the scene see it as it stands at the end
-// of the slice. The world knows no kind of sensor (hil/world/world_sensor.h has the order in which
-// they are asked).
+// interpolated between the step's ends; those that use the scene see its state at the end of the
+// slice. The world knows no kind of sensor (hil/world/world_sensor.h has the order in which they
+// are called).
 #pragma once
 
 #include <memory>
@@ -58,22 +58,22 @@ class SimulatedWorld final : public TruthSource {
   SimulatedWorld(SimulatedWorld&&) noexcept;
 
   void add(std::unique_ptr<WorldSensor> sensor);
-  /// What is in the air from now on; without, it is clear.
+  /// Sets what is in the air from now on; without a call the air is clear.
   void set_weather(std::unique_ptr<sim::SceneWeather> weather);
   [[nodiscard]] bool has_weather() const { return weather_ != nullptr; }
-  /// Tells `observer`, too, the truth every `period`, a whole multiple of the step.
+  /// Adds an observer that receives the truth every `period`, a whole multiple of the step.
   void add_truth_observer(std::unique_ptr<TruthObserver> observer, Duration period);
-  /// Tells `observer` of every shot of every lidar.
+  /// Sets the observer that receives every shot of every lidar.
   void set_lidar_truth_observer(std::unique_ptr<LidarTruthObserver> observer);
-  /// Tells `observer` of the pictures that it wants.
+  /// Sets the observer that receives the pictures that it wants.
   void set_camera_truth_observer(std::unique_ptr<CameraTruthObserver> observer);
 
   [[nodiscard]] const sim::Scene& scene() const { return *content_.scene; }
   /// Returns the terrain, in which the machine may dig.
   [[nodiscard]] sim::Scene::InstanceId terrain() const { return content_.terrain; }
-  /// For sensors that stand at its ports; lives as long as the world, also when that is moved.
+  /// For sensors at its ports; lives as long as the world, also when that is moved.
   [[nodiscard]] sim::Machine& machine() { return *content_.machine; }
-  /// On the machine's sticks, beside the devices; lives as long as the world, also when that is
+  /// Returns the manual override of the machine; lives as long as the world, also when that is
   /// moved.
   [[nodiscard]] Hand& hand() { return *hand_; }
   [[nodiscard]] Duration slice() const override { return settings_.slice; }
@@ -89,7 +89,7 @@ class SimulatedWorld final : public TruthSource {
   void sample_step(const WorldStep& step, Shelves& samples);
   void prepare_scene(SimTime t0, SimTime t1);
   void show_leaning();
-  /// The machine's links, and after them what lies loose.
+  /// Copies the motions of the machine's links, and after them of loose things.
   void copy_motions(std::vector<sim::LinkMotion>& to) const;
   void sample_slice(SimTime t0, SimTime t1, Shelves& samples);
   void fill_truth(const WorldStep& step, SimTime time);

@@ -62,7 +62,7 @@ struct Deepest {
       depth_m = found_m;
     }
   }
-  /// `stands`: it may be in the ground.
+  /// `stands`: the point may be in the ground.
   void look(const sim::Ground& ground, std::string_view name, const Eigen::Vector3d& p_W,
             bool stands = false) {
     const auto here = ground.penetration(p_W);

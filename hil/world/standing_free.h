@@ -1,12 +1,12 @@
-// Whether a machine starts where it can stand: on the terrain, and with no part of it inside the
-// ground, an obstacle or something that lies loose. What starts inside is thrown out by forces that
-// no real machine meets.
+// Checks that a machine starts in a possible place: on the terrain, and with no part of it inside
+// the ground, an obstacle or a loose thing. A part that starts inside would be thrown out by forces
+// that do not occur on a real machine.
 //
-// Looked at are the points that the machine itself names (sim/machine.h) and the surfaces of its
-// shapes, boxes every 0.25 m and meshes at their vertices; against what lies loose boxes as a
-// whole, since a crate may lie between the points. The shapes of links that stand on the ground, as
-// wheels and drums do, are looked at against what lies loose alone. Objects of the scene that are
-// not solid are not looked at.
+// Checked are the points that the machine itself names (sim/machine.h) and the surfaces of its
+// shapes, boxes every 0.25 m (at most 41 points along an edge) and meshes at their vertices;
+// against loose things boxes as a whole, since a crate may lie between the points. The shapes of
+// links that stand on the ground, as wheels and drums do, are checked against loose things alone.
+// Objects of the scene that are not solid are not checked.
 #pragma once
 
 #include "hil/world/machine.h"
@@ -15,7 +15,7 @@
 
 namespace rigwire::hil {
 
-/// Depth from which on a machine is refused: what a rough floor and a rounded lip leave.
+/// Depth at which a machine is refused: a rough floor and a rounded lip cause less.
 inline constexpr double kDeepestStart_m = 0.02;
 
 /// Throws fields::Refused naming `machine.position` when that is not on the terrain.

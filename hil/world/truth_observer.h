@@ -55,13 +55,13 @@ struct MovedBodyTruth {
   sim::LinkMotion motion;
 };
 
-/// A quantity of the machine as `read` and `wait` have it (hil/world/quantities.h).
+/// A quantity of the machine, as in `read` and `wait` (hil/world/quantities.h).
 struct StateTruth {
   std::string_view name;  ///< Holds as long as the world.
   double value = 0.0;     ///< In the quantity's unit.
 };
 
-/// What is true of the machine at one instant.
+/// Ground truth of the machine at one instant.
 struct TruthRecord {
   SimTime time{};
   /// Motion of all links of the machine; the first carries it.
@@ -88,28 +88,29 @@ class TruthObserver {
 class LidarTruthObserver {
  public:
   virtual ~LidarTruthObserver() = default;
-  /// All shots of these firings of the lidar of that name in the rig; `truth` has one entry per
-  /// firing. Slice by slice, and within one in the order in which the lidars were added.
+  /// Receives all shots of these firings of the lidar of that name in the rig; `truth` has one
+  /// entry per firing. Called slice by slice, and within one in the order in which the lidars were
+  /// added.
   virtual void record(std::string_view lidar, const LidarPattern& pattern,
                       const std::vector<LidarFiring>& firings,
                       const std::vector<sim::LidarBankTruth>& truth) = 0;
 };
 
-/// A picture that was handed to its camera, with what is true behind it.
+/// A picture that was handed to its camera, with its ground truth.
 struct CameraTruthRecord {
   std::uint64_t exposure = 0;  ///< Number of the camera's exposure, from 0; skipped ones count.
   std::shared_ptr<const Picture> picture;
-  sim::CameraTruth truth;  ///< Behind the picture's first part.
+  sim::CameraTruth truth;  ///< Of the picture's first part.
 };
 
 class CameraTruthObserver {
  public:
   virtual ~CameraTruthObserver() = default;
-  /// Whether the truth behind a picture of the camera of that name in the rig is to be computed,
-  /// whose exposure begins at `start`; asked when the exposure is over.
+  /// Returns whether to compute the truth of a picture of the camera of that name in the rig, whose
+  /// exposure begins at `start`; called when the exposure is over.
   [[nodiscard]] virtual bool wants(std::string_view camera, SimTime start) const = 0;
-  /// When the picture is handed over, in the order of each camera's exposures. A picture that was
-  /// skipped is not told of.
+  /// Called when the picture is handed over, in the order of each camera's exposures; not called
+  /// for a skipped picture.
   virtual void record(std::string_view camera, CameraTruthRecord record) = 0;
 };
 

@@ -1,6 +1,5 @@
-// What changes in the looks of a scene while it runs, for who looks on: ground that is dug, loose
-// bodies that are pushed, trees that lean, the air. What was there at the start tells
-// sim::contents_of().
+// Changes in the looks of a scene while it runs, for viewers: ground that is dug, loose bodies that
+// are pushed, trees that lean, the air. sim::contents_of() gives the state at the start.
 #pragma once
 
 #include <cstddef>
@@ -41,7 +40,7 @@ struct ViewChange {
     Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
   };
   std::vector<Body> moved;  ///< Loose bodies that have moved since the change before.
-  /// All that has left its place, when any of it has moved.
+  /// All things that have left their place, when any of them has moved.
   std::vector<sim::DisplacedThing> displaced;
   std::optional<AirView> air;
 
@@ -50,9 +49,9 @@ struct ViewChange {
   }
 };
 
-/// Tells `told`, on the thread of the truth, what has changed, at most every `period`; nothing
-/// where nothing has. It draws no random number and changes no sample. `links`: bodies of the
-/// machine, which are the scene's first and are not told of.
+/// Returns a sensor that calls `told`, on the thread of the truth, with what has changed, at most
+/// once per `period`, and not when nothing has changed. It draws no random number and changes no
+/// sample. `links`: bodies of the machine, which are the scene's first and are not reported.
 [[nodiscard]] std::unique_ptr<WorldSensor> make_world_view(std::size_t links, Duration period,
                                                            std::function<void(ViewChange)> told);
 

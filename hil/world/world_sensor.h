@@ -6,8 +6,8 @@
 // In each slice the world calls take() of all sensors; then, for each physics step, step() of all
 // in the order in which they were added; then slice(), first of those that cast rays for every
 // beam, then of the others, in that same order. Within one kind the order is thus that of the rig.
-// Between kinds it changes no sample: machine and scene do not change while sensors look at them,
-// every shelf has one sensor only, and no sensor sees what another one made or drew, but that
+// Between kinds the order changes no sample: machine and scene do not change while sensors read
+// them, every shelf has one sensor only, and no sensor sees what another one made or drew, but that
 // satellite receivers note where their antennas are (sim/gnss/antenna_book.h) for each other.
 #pragma once
 
@@ -41,11 +41,12 @@ struct SensorMount {
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();  ///< Pose of the sensor in its link.
 };
 
-/// The machine's links at one instant, and after them what lies loose on the ground: all bodies of
-/// the scene.
+/// Motions of all bodies of the scene at one instant: the machine's links, and after them what lies
+/// loose on the ground.
 using LinkMotions = std::span<const sim::LinkMotion>;
 
-/// One step of the physics, for sensors that measure within it. The machine itself stands at t1.
+/// One step of the physics, for sensors that measure within it. The machine itself is in its state
+/// at t1.
 struct WorldStep {
   SimTime t0{};
   SimTime t1{};
@@ -63,13 +64,13 @@ struct WorldSlice {
   SimTime t1{};
   LinkMotions links_at_t0;
   LinkMotions links_at_t1;
-  const sim::Scene& scene;                      ///< Ready for the rays of sensors that look at it.
+  const sim::Scene& scene;                      ///< Ready for the rays of sensors that use it.
   const sim::SceneWeather* weather = nullptr;   ///< Null: clear air.
   LidarTruthObserver* lidar_truth = nullptr;    ///< Null: no observer.
   CameraTruthObserver* camera_truth = nullptr;  ///< Null: no observer.
   const sim::HeightField* ground = nullptr;     ///< Ground at t1; null: it never changes.
-  std::optional<sim::NodeRectangle> dug;        ///< Where it has changed in this slice.
-  /// Time follows a clock: what is computed beside the run is not waited for.
+  std::optional<sim::NodeRectangle> dug;        ///< Area that has changed in this slice.
+  /// Time follows a clock: the slice does not wait for what is computed beside the run.
   bool paced = false;
 };
 
@@ -80,21 +81,22 @@ class WorldSensor {
   WorldSensor(const WorldSensor&) = delete;
   WorldSensor& operator=(const WorldSensor&) = delete;
 
-  /// What the device asks, from `frontier` on: the end of the last slice.
+  /// Takes the device's requests, which act from `frontier`, the end of the last slice, on.
   virtual void take(SimTime frontier, const Shelves& requests) = 0;
-  /// Samples in (t0, t1], and at the very start that of t0. Every shelf is filled in order of time.
+  /// Takes samples in (t0, t1], and at the very start also that of t0. Every shelf is filled in
+  /// order of time.
   virtual void step(const WorldStep& /*step*/, Shelves& /*samples*/) {}
-  /// When the last step of the slice is done.
+  /// Called when the last step of the slice is done.
   virtual void slice(const WorldSlice& /*slice*/, Shelves& /*samples*/) {}
   /// Whether slice() is called first, and its time counted as ray casting.
   [[nodiscard]] virtual bool casts_beams() const { return false; }
-  /// Whether slice() will cast rays into the scene itself; asked when the last step is done. Where
-  /// no sensor does, what moves is not placed for rays.
+  /// Returns whether slice() will cast rays into the scene itself; called when the last step is
+  /// done. If no sensor does, moving bodies are not placed for rays.
   [[nodiscard]] virtual bool looks_at_scene() const { return true; }
-  /// Adds what is true of the sensor at `time` within the step, where that is no property of the
+  /// Adds the ground truth of the sensor at `time` within the step that is no property of the
   /// machine.
   virtual void tell(const WorldStep& /*step*/, SimTime /*time*/, TruthRecord& /*truth*/) const {}
-  /// What it failed by, which ends the run.
+  /// Returns why it failed, which ends the run.
   [[nodiscard]] virtual std::optional<std::string> fault() const { return std::nullopt; }
 };
 

@@ -1,18 +1,18 @@
-// A rig with wires of its own, so that any number of runs stand side by side on one machine, also
-// of one and the same rig.
+// A rig with private wires, so that any number of runs, also of one and the same rig, can run at
+// once on one machine.
 //
-// Everything that a wire of the rig is found by is replaced, as by a `--set` of its key:
+// Everything by which a wire of the rig is found is replaced, as by a `--set` of its key:
 //
 //   path of a pty           FOLDER/wires/NAME, of the bus, line or device
 //   address                 one of a network 127.A.B.0/24 that no other run has; addresses that
 //                           differ stay different
-//   UDP port of a client    one that nobody is bound to, so that it may be bound at any address
-//   CAN interface           slcan on a pty: an interface of the host is everybody's
+//   UDP port of a client    one that no socket is bound to, so that it may be bound at any address
+//   CAN interface           slcan on a pty: other programs share an interface of the host
 //   memory of a device      FOLDER/memory/NAME, which begins as a copy of the file
 //   files of ground truth   FOLDER/NAME
 //
-// TCP ports stay: their addresses differ. What devices measure and send is the same as without, but
-// for what a device tells of its own address; the configuration's hash is that of the rig.
+// TCP ports stay: their addresses differ. What devices measure and send does not change, but for
+// what a device reports of its own address; the configuration's hash is that of the rig.
 #pragma once
 
 #include <filesystem>
@@ -29,10 +29,10 @@ struct Replacement {
   std::string value;
 };
 
-/// What becomes of an address beyond this machine.
+/// Treatment of an address beyond this machine.
 enum class RemoteAddresses {
   refused,
-  kept,  ///< Where nothing is sent.
+  kept,  ///< For configurations whose rig sends nothing.
 };
 
 /// `folder` is absolute and exists. Throws drivers::EndpointError, and ConfigurationError for an
@@ -43,7 +43,7 @@ enum class RemoteAddresses {
                                                  drivers::LoopbackClaims& claims,
                                                  RemoteAddresses remote = RemoteAddresses::refused);
 
-/// The configuration with these values. Throws ConfigurationError.
+/// Returns the configuration with these values. Throws ConfigurationError.
 [[nodiscard]] RigConfiguration with(const RigConfiguration& configuration,
                                     const std::vector<Replacement>& replacements);
 

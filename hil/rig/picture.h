@@ -1,7 +1,7 @@
-// One picture of a rig's camera without a run: no wire is opened, no client is there.
+// Takes one picture of a rig's camera without a run: no wire is opened, no client is there.
 //
-// The world runs free from the start to the exposure, as it would in a run in which nobody commands
-// the machine: it stands, unless it is asked to drive straight ahead. The camera is as it is at
+// The world runs free from the start to the exposure, as in a run without commands: the machine
+// does not move, unless it is asked to drive straight ahead. The camera is in its state at
 // power-on, with every part that its kind can make. With automatic exposure or gain it takes up to
 // 32 pictures before, at its own rate or quicker, so that they settle. The same configuration and
 // seed give the same bytes.

@@ -1,4 +1,4 @@
-// A recorded rig that meets nobody while it is run once more (hil/control/verification.h).
+// Private wires for a recorded rig that is run again (hil/control/verification.h).
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,10 @@
 
 namespace rigwire::hil {
 
-/// The rig on wires of its own as an isolated run has them (hil/rig/isolated_rig.h), but for the
-/// addresses of cameras, which they tell. It opens no web interface, no further port of a bus and
-/// no truth tap. `remarks` is told what can be heard of that. Throws as isolating() and with() do.
+/// Returns the rig on private wires, as in an isolated run (hil/rig/isolated_rig.h), but for the
+/// addresses of cameras, which they report. It opens no web interface, no further port of a bus and
+/// no truth tap. Appends what clients could notice of that to `remarks`. Throws as isolating() and
+/// with() do.
 [[nodiscard]] RigConfiguration made_private(const RigConfiguration& recorded,
                                             const std::filesystem::path& folder,
                                             drivers::LoopbackClaims& claims,

@@ -84,7 +84,7 @@ class SceneFallObstacle final : public sim::FallObstacle {
   const sim::Scene& scene_;
 };
 
-/// Every label that a camera is told the looks of is one that it can see. Throws fields::Refused.
+/// Checks that a camera can see every label whose looks it defines. Throws fields::Refused.
 void require_looks(const RigConfiguration& configuration, const sim::Scene& scene) {
   std::optional<std::vector<std::string>> labels;
   for (const auto& [name, device] : configuration.devices) {

@@ -1,20 +1,21 @@
 // A rig ready to run: truth source, devices and wires, built from its configuration.
 //
 // Order. What is due at equal instants runs in the order in which it was added to the executive
-// (events by themselves, outlets by themselves), so that the order of making is behaviour:
-//
+// (events by themselves, outlets by themselves), so that the order of construction determines the
+// output:
+//   1. CAN buses by name: bus, outlet.
 //   1. CAN buses by name: bus, outlet.
 //   2. Modbus lines by name: line, outlet.
 //   3. Devices by name; within a device station, outlets, further stations. What a device sends on
-//      a bus or a shared line waits in the outlet of that. A Modbus line of its own stands where
-//      its outlet does, in front of it.
+//      a bus or a shared line waits in the outlet of that. A Modbus line of its own is added with
+//      its outlet, before it.
 //   4. Faults of the buses, which know their devices by name. Every fault of the file gets its
 //      number then: devices first, then buses, then lines.
 //   5. Device::connect() of each device, by name.
 //   6. Truth taps, and what else is recorded.
 //
-// The USB server is added in front of the first bus or device that asks for it. A slot that comes
-// earlier or later is another byte stream.
+// The USB server is added before the first bus or device that asks for it. A different order is
+// another byte stream.
 //
 // Seeds. Every random stream has a name, so that a device that is added changes no other:
 //
@@ -24,14 +25,14 @@
 //   "modbus.<line>/line"      delays and faults of a shared Modbus line
 //   "<bus>/faults"            faults of a CAN bus
 //
-// A name that changes is another byte stream, too.
+// A changed name is another byte stream, too.
 //
-// Ownership. The rig owns everything but the io_context, which must outlive it. What others refer
-// to is made first and destroyed last: world, executive, buses, Modbus lines, devices; the USB
-// server alone goes before what is plugged into it.
+// Ownership. The rig owns everything but the io_context, which must outlive it. Objects are made
+// before those that refer to them, and destroyed after them: world, executive, buses, Modbus lines,
+// devices; only the USB server is destroyed before what is plugged into it.
 //
-// Errors. Making it throws, and closes what was open. After that nothing throws: a fault ends the
-// run by way of RunOutcome::fault.
+// Errors. The constructor throws, and closes what was open. After that nothing throws: a fault ends
+// the run with RunOutcome::fault.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -81,19 +82,20 @@ namespace rigwire::hil {
                                         RunLog* log = nullptr,
                                         std::shared_ptr<const sim::AirFaults> air = nullptr);
 
-/// Light and air of the rig's cameras.
+/// Returns light and air of the rig's cameras.
 [[nodiscard]] std::shared_ptr<CameraSurroundings> make_surroundings(
     const RigConfiguration& configuration, std::shared_ptr<const sim::AirFaults> air = nullptr);
 
-/// The world frame on Earth, with its geoid. Throws std::runtime_error when the geoid's file cannot
-/// be read.
+/// Returns the world frame on Earth, with its geoid. Throws std::runtime_error when the geoid's
+/// file cannot be read.
 [[nodiscard]] sim::LocalFrame make_local_frame(const OriginConfiguration& origin);
 
-/// What a structure was refused by at the start of a run, with its place in the rig's files.
+/// Returns the problem of a structure that was refused at the start of a run, with its place in the
+/// rig's files.
 [[nodiscard]] Problem placed(const fields::Refused& refused, const Origins& origins);
 
-/// Makes once what a run starts from, wires apart: terrain, meshes, the machine where it stands,
-/// geoid and satellites. What passes here and load_rig() can be run wherever its wires can be
+/// Makes once what a run starts from, without wires: terrain, meshes, the machine at its start,
+/// geoid and satellites. A rig that passes this and load_rig() can be run wherever its wires can be
 /// opened. Throws ConfigurationError with the place of the key that is wrong.
 void check_start(const LoadedRig& rig, RunLog* log = nullptr);
 
@@ -101,29 +103,30 @@ void check_start(const LoadedRig& rig, RunLog* log = nullptr);
 [[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,
                                        const MountConfiguration& mount);
 
-/// The lidars whose point clouds a recording is to have.
+/// Returns the lidars whose point clouds a recording is to have.
 [[nodiscard]] CloudSettings recorded_clouds(const RigConfiguration& configuration);
 
 class CameraSurroundings;
 class ClientDrain;
 class RigUsb;
 
-/// Where ground truth goes.
+/// Files for the ground truth.
 struct TruthFiles {
   std::filesystem::path machine{};     ///< hil/record/truth_tap.h
   std::filesystem::path lidar{};       ///< hil/record/lidar_truth_tap.h
   std::filesystem::path cameras{};     ///< A folder; hil/record/camera_truth_tap.h
   OutputFailures* failures = nullptr;  ///< May be null; outlives the rig.
-  /// With a reader that stalls; 0: nobody is waited for, also no disc.
+  /// Wait for a reader that stalls; 0: for no reader or disk.
   std::chrono::milliseconds patience = kReaderPatience;
 };
 
 /// Ends of wires in the caller's own program, in place of the system's: by name of the bus. What a
-/// device sends is delivered to it with its simulated time, on the thread that runs the executive;
-/// what it gives to its receiver there comes in as from a client. They must outlive the rig.
+/// device sends is delivered to them with its simulated time, on the thread that runs the
+/// executive; what they give to their receiver comes in as from a client. They must outlive the
+/// rig.
 struct OwnEnds {
   std::map<std::string, drivers::CanBus*> buses;
-  /// Buses among them whose client is not there before it is told (CanBus::on_client).
+  /// Buses among them whose client is absent until it is reported (CanBus::on_client).
   std::set<std::string> with_known_clients{};
 };
 
@@ -131,11 +134,11 @@ class Rig {
  public:
   /// Opens every wire, in the order above. Throws drivers::EndpointError (environment),
   /// std::invalid_argument or std::runtime_error (configuration); nothing stays open then. Empty
-  /// paths: no truth tap. `log` hears what the rig has to say, with the simulated time, which it
-  /// keeps from the rig's end on; it must outlive the rig. Null: nobody is told. A bus of `own` is
-  /// opened nowhere else: std::invalid_argument where its configuration asks for further ports or a
-  /// socketcand, or where the rig has no such bus.
-  /// `recorder` is told of everything from now on, and must outlive the rig; may be null.
+  /// paths: no truth tap. The rig writes to `log`, with the simulated time, which the log keeps
+  /// from the rig's end on; it must outlive the rig; may be null. A bus of `own` has no other
+  /// endpoint: std::invalid_argument when its configuration asks for further ports or a socketcand,
+  /// or when the rig has no such bus. `recorder` receives everything from now on, and must outlive
+  /// the rig; may be null.
   Rig(const RigConfiguration& configuration, boost::asio::io_context& io, const TruthFiles& truth,
       RunLog* log = nullptr, const OwnEnds& own = {}, Recorder* recorder = nullptr);
   ~Rig();
@@ -145,8 +148,7 @@ class Rig {
   [[nodiscard]] Executive& executive() { return executive_; }
   [[nodiscard]] const TruthSource& truth() const { return world_; }
   [[nodiscard]] Hand& hand() { return world_.hand(); }
-  /// For who looks on: observers and sensors of no device are added behind all others, before a
-  /// run.
+  /// For viewers: observers, and sensors of no device, are added after all others, before a run.
   [[nodiscard]] SimulatedWorld& world() { return world_; }
   [[nodiscard]] const Calendar& calendar() const { return calendar_; }
   /// The stations of its cameras, by the names of their devices.
@@ -155,11 +157,12 @@ class Rig {
   /// pictures that no camera of the rig takes.
   [[nodiscard]] std::shared_ptr<CameraSurroundings> more_surroundings() const;
 
-  /// Every wire that a client can be at.
+  /// Adds every wire that a client can be at.
   void watch_clients(ClientDrain& drain) const;
-  /// What carries each bus, and why it was chosen; what a device says of its wire. A line each.
+  /// Returns a line for each bus, with what carries it and why it was chosen, and for each device
+  /// that describes its wire.
   [[nodiscard]] std::vector<std::string> wires() const;
-  /// On the thread that runs the executive; `wall_s` is filled by the caller.
+  /// To be called on the thread that runs the executive; the caller fills `wall_s`.
   [[nodiscard]] RigStatus status() const;
   /// Returns the devices, buses and lines with their faults. To be called on the executive's
   /// thread.
@@ -167,11 +170,11 @@ class Rig {
   [[nodiscard]] const RigFaults& faults() const { return faults_; }
   /// Returns the settings of its devices. To be called on the executive's thread.
   [[nodiscard]] RigSettings& settings() { return settings_; }
-  /// After the run.
+  /// To be called after the run.
   [[nodiscard]] std::vector<DeviceReport> device_reports() const;
 
  private:
-  /// A CAN bus of the rig with its way to the system.
+  /// A CAN bus of the rig with its endpoint.
   struct Bus;
   struct NamedDevice {
     std::string name;

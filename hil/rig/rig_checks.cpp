@@ -59,7 +59,7 @@ class Checker {
   }
 
  private:
-  /// Something below was not read, so that its members are defaults that nobody asked for.
+  /// Returns whether a member below `path` was not read and has a default that was not asked for.
   [[nodiscard]] bool faulty(const std::string& path) const {
     return std::any_of(known_.begin(), known_.end(), [&](const Problem& problem) {
       return problem.path == path || problem.path.starts_with(path + ".");
@@ -114,7 +114,7 @@ class Checker {
           "the machine has no engine that drives pumps");
   }
 
-  /// Every file of triangles can be read, and is of a size that rays meet in the scene.
+  /// Checks that every file of triangles can be read and has a size that rays in the scene can hit.
   void check_meshes() {
     if (!faulty("machine")) {
       for (std::size_t i = 0; i < rig_.machine.shapes.size(); ++i) {

@@ -17,7 +17,7 @@
 
 namespace rigwire::hil {
 
-/// What nothing of the rig can do: which part, which kind.
+/// Thrown when no part of the rig, or not this one, can have the fault.
 class NoSuchFault : public std::invalid_argument {
  public:
   NoSuchFault(const std::string& what, std::string key, std::string asked, std::string possible)
@@ -35,46 +35,47 @@ class RigFaults {
  public:
   /// Number of a fault, from 1, never given twice.
   using Id = std::uint32_t;
-  /// Up to this many that are over are told.
+  /// Number of ended faults that are kept.
   static constexpr std::size_t kKept = 1000;
   struct Numbered {
     Id id;
     FaultWindow window;
   };
-  /// Hears of every fault that is begun, and of every end that is made.
+  /// Called for every fault that is begun, and every end that is set.
   using Listener = std::function<void(const FaultWindow&)>;
-  /// Something that faults can be of, and their kinds.
+  /// A part of the rig that can have faults, and their kinds.
   struct Target {
     std::string name;  ///< Name of the device; "bus can", "modbus cab".
     std::vector<fields::Named> kinds;
   };
 
-  /// `seed` of the run, `quantities` those of the machine, by which faults may wait.
+  /// `seed` is the run's; faults may wait for the machine's `quantities`.
   explicit RigFaults(std::uint64_t seed = 0, std::vector<StateQuantity> quantities = {})
       : seed_(seed), quantities_(std::move(quantities)) {}
 
-  /// One more port of `where`; what it was made with is numbered at once. The port must outlive
-  /// this.
+  /// Adds a port of `where`; the faults that it was made with are numbered at once. The port must
+  /// outlive this.
   void add(const std::string& where, FaultPort& port);
   void inform(Listener listener) { listener_ = std::move(listener); }
 
-  /// Those that can have faults, in the order in which they were added.
+  /// Returns the parts that can have faults, in the order in which they were added.
   [[nodiscard]] std::vector<Target> targets() const;
-  /// Also what is over, in the order of their numbers; of very many the oldest that are over are
-  /// forgotten.
+  /// Returns the faults, ended ones included, in the order of their numbers; of the ended ones only
+  /// the newest kKept.
   [[nodiscard]] std::vector<Numbered> list() const;
   [[nodiscard]] std::vector<FaultWindow> windows() const;
 
-  /// One more fault of kind `type` on `where`, filled by `fill`; nullopt where that says no. Throws
-  /// NoSuchFault, and std::invalid_argument as the port.
+  /// Begins a fault of kind `type` on `where`, filled by `fill`; nullopt when `fill` refuses.
+  /// Throws NoSuchFault, and std::invalid_argument as the port.
   std::optional<Numbered> begin(SimTime now, const std::string& where, const std::string& type,
                                 const FaultPort::Fill& fill);
-  /// How many are over and not told any more.
+  /// Returns how many ended faults are not kept any more.
   [[nodiscard]] std::uint64_t forgotten() const { return last_id_ - entries_.size(); }
-  /// The machine's state at an instant that the devices have not reached: what waits for it begins.
+  /// Takes the machine's state at an `instant` that the devices have not reached, and begins the
+  /// faults that waited for it.
   void look(SimTime now, SimTime instant, std::span<const double> state);
-  /// Ends it, begun or not; it is told with its new end. Throws NoSuchFault where there is none of
-  /// that number, or it is over.
+  /// Ends a fault, begun or not, and reports it with its new end. Throws NoSuchFault when there is
+  /// none of that number, or it is over.
   Numbered end(SimTime now, Id id);
 
  private:

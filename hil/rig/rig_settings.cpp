@@ -21,7 +21,7 @@ Value map_at(const Value& like) {
           .folder = like.folder};
 }
 
-/// One key that is to be told, "fov.start" whether it was written so or as "fov: {start: 10}".
+/// A key to be set: "fov.start", whether it was written so or as "fov: {start: 10}".
 struct Leaf {
   std::string path;
   Location where;

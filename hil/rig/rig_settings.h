@@ -1,5 +1,5 @@
-// What can be set at a running rig's devices: keys of their configuration, as in the rig's file, of
-// those that a device can be told while it runs (hil/devices/live_settings.h).
+// The settings of a running rig's devices: those keys of their configuration, as in the rig's file,
+// that can be changed while a device runs (hil/devices/live_settings.h).
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ namespace rigwire::hil {
 
 class RigSettings {
  public:
-  /// `configuration` is what the device was made of. The device must outlive this.
+  /// `configuration` is the one that the device was made with. The device must outlive this.
   void add(const std::string& name, const DeviceConfiguration& configuration, Device& device);
 
   /// Returns the names of the devices with settings, in the order in which they were added.
@@ -41,10 +41,10 @@ class RigSettings {
     std::optional<Problem> refused;
     bool by_device = false;  ///< True: refused by the device in its present state.
   };
-  /// Tells device `name` the keys of that map. They are checked as those of a rig's file are,
-  /// beside what the device was made of and what has been set since; what is wrong there refuses
-  /// all of them. Then the device is told one after the other, until it refuses one.
-  /// Precondition: the device is one of names().
+  /// Sets the keys of that map at device `name`. Checks them like those of a rig's file, together
+  /// with the device's configuration and what has been set since; an error refuses all of them.
+  /// Then passes them to the device one after the other, until it refuses one. Precondition: the
+  /// device is one of names().
   [[nodiscard]] Outcome tell(SimTime now, const std::string& name, const Value& keys);
 
  private:

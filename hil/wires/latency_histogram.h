@@ -16,12 +16,12 @@ class LatencyHistogram {
   void record(Duration latency);
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  /// The least upper class edge below which `share` (0..1) of the records lie, never above max();
-  /// zero when empty.
+  /// Returns the minimum upper class edge below which `share` (0..1) of the records lie, at most
+  /// max(); zero when empty.
   [[nodiscard]] Duration percentile(double share) const;
   [[nodiscard]] Duration max() const { return max_; }
   [[nodiscard]] Duration sum() const { return sum_; }
-  /// How many are at most `edge`, to the width of a class.
+  /// Returns how many are at most `edge`, to the width of a class.
   [[nodiscard]] std::uint64_t up_to(Duration edge) const;
 
  private:
@@ -39,7 +39,7 @@ class LatencyHistogram {
   Duration sum_{0};
 };
 
-/// Edges by which whole distributions are told, in reports and metrics.
+/// Edges of the classes of a distribution in reports and metrics.
 inline constexpr std::array<Duration, 14> kLatencyEdges{
     std::chrono::microseconds{10},  std::chrono::microseconds{20},  std::chrono::microseconds{50},
     std::chrono::microseconds{100}, std::chrono::microseconds{200}, std::chrono::microseconds{500},
@@ -47,7 +47,7 @@ inline constexpr std::array<Duration, 14> kLatencyEdges{
     std::chrono::milliseconds{10},  std::chrono::milliseconds{20},  std::chrono::milliseconds{50},
     std::chrono::milliseconds{100}, std::chrono::seconds{1}};
 
-/// How many lie between each of these edges and the one before, and above the last.
+/// Counts between each of these edges and the one before, and above the last.
 using LatencyClasses = std::array<std::uint64_t, kLatencyEdges.size() + 1>;
 [[nodiscard]] LatencyClasses classes_of(const LatencyHistogram& latencies);
 

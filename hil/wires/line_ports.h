@@ -41,7 +41,7 @@ inline constexpr const char* kSerialPortsText =
     "Ports of the line, `path`, `path.1` ...: all receive from the device, which receives from the "
     "first.";
 
-/// What a client of the port opens; the first has the number 0.
+/// Returns what a client of the port opens; the first has the number 0.
 [[nodiscard]] inline std::string port_path(const std::string& path, unsigned port) {
   return port == 0 ? path : path + "." + std::to_string(port);
 }
@@ -49,8 +49,8 @@ inline constexpr const char* kSerialPortsText =
 /// "/tmp/rigwire/gnss", "/tmp/rigwire/gnss, .1, .2": as plans show it.
 [[nodiscard]] std::string port_list(const std::string& path, unsigned ports);
 
-/// A device's serial line with its ports: all hear the device, which hears the first
-/// (drivers/serial_splitter.h). Throws drivers::EndpointError.
+/// Opens a device's serial line with its ports: all receive from the device, which receives from
+/// the first (drivers/serial_splitter.h). Throws drivers::EndpointError.
 [[nodiscard]] std::unique_ptr<drivers::ByteStream> open_serial_ports(boost::asio::io_context& io,
                                                                      const std::string& path,
                                                                      unsigned ports,

@@ -15,8 +15,8 @@ using protocols::can::ControllerReport;
 
 namespace {
 
-// Room for more than one configured lead of the busiest rig, so that only a wire that stands still
-// fills a queue.
+// Room for more than one configured lead of the busiest rig, so that only a stalled wire fills a
+// queue.
 constexpr std::size_t kSerialUnits = 16'384;
 constexpr std::size_t kSerialBytes = 128 * 1024;
 constexpr std::size_t kDatagramUnits = 128;

@@ -1,5 +1,5 @@
-// The last step to a wire: a bounded queue of due units of output in front of one endpoint. What
-// comes from the endpoint's clients passes here as well, so that everything on the wire can be told
+// The last step to a wire: a bounded queue of due units of output in front of one endpoint. Input
+// from the endpoint's clients passes here as well, so that a tap can observe everything on the wire
 // (hil/wires/wire_tap.h).
 //
 // First in, first out: units must come in order of their due times. The endpoint must outlive the
@@ -28,14 +28,15 @@ class QueuedOutlet : public Outlet {
   [[nodiscard]] SimTime next_due() const final;
   void transmit_front(std::optional<Duration> lateness) final;
 
-  /// From now on everything is told to `tap`, which must outlive the outlet's use. Before start().
+  /// From now on reports everything to `tap`, which must outlive the outlet's use. To be called
+  /// before start().
   void tell(WireTap& tap) { tap_ = &tap; }
   [[nodiscard]] virtual WireKind kind() const = 0;
 
-  /// How much of what left here its clients have not taken, in bytes, as far as the system tells;
-  /// nothing where it does not, and where nobody is there (drivers/untaken.h).
+  /// Returns how many bytes of what left here its clients have not taken; nullopt when the system
+  /// does not know, and without a client (drivers/untaken.h).
   [[nodiscard]] virtual std::optional<std::size_t> untaken() const { return std::nullopt; }
-  /// How many units have left so far.
+  /// Returns how many units have left so far.
   [[nodiscard]] std::uint64_t left() const { return left_; }
 
   /// Disconnects the wire: from now on units are taken and reported to the tap but reach no
@@ -47,17 +48,17 @@ class QueuedOutlet : public Outlet {
 
  protected:
   QueuedOutlet(std::size_t units, std::size_t bytes) : queue_(units, bytes) {}
-  /// From now on what follows a late unit keeps half of its distance from it: a wire that nothing
-  /// leaves in heaps, because the far end has little room. Lateness is that against the due time
-  /// all the same.
+  /// From now on a unit after a late one keeps half of its distance from it, for a wire whose far
+  /// end has little room and must not receive bursts. Lateness is measured against the due time all
+  /// the same.
   ///
   /// next_due() of a unit is the later of its due time and of when the unit before left plus half
   /// of the two due times' distance. It is never before that unit left, since due times rise; it
   /// catches up with twice the pace, so that a delay of t is gone after 2 t; and it is the due time
-  /// wherever nothing is late: free-running, and after a pause. It is asked again while a unit is
-  /// transmitted, and is the same as when the executive asked: the unit is in front until then.
+  /// wherever nothing is late: free-running, and after a pause. It is called again while a unit is
+  /// transmitted, and returns the same as for the executive: the unit is in front until then.
   void keep_apart() { apart_ = true; }
-  /// False, and counted as dropped, when there is no room.
+  /// Returns false, and counts the unit as dropped, when there is no room.
   bool push(SimTime due, std::uint64_t tag, WireStatistics& statistics,
             std::span<const std::uint8_t> bytes);
   [[nodiscard]] WireTap* tap() const { return tap_; }
@@ -66,10 +67,10 @@ class QueuedOutlet : public Outlet {
  private:
   /// False when any part of the unit was refused.
   virtual bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) = 0;
-  /// Tells `tap` of a unit that was taken.
+  /// Reports a unit that was taken to `tap`.
   virtual void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
                        std::span<const std::uint8_t> bytes) = 0;
-  /// Gives to whoever listens behind the endpoint what a client sent. False: nobody does.
+  /// Passes what a client sent to the receiver behind the endpoint. False: there is none.
   virtual bool give(const WirePiece& /*piece*/) { return false; }
 
   WireTap* tap_ = nullptr;
@@ -115,7 +116,7 @@ class DatagramOutlet final : public QueuedOutlet, public emulators::ByteOutput {
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
-  /// A source port of the system's choice is told as the destination's, so that two runs tell the
+  /// Reports a source port of the system's choice as the destination's, so that two runs report the
   /// same.
   void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
                std::span<const std::uint8_t> bytes) override;
@@ -123,17 +124,17 @@ class DatagramOutlet final : public QueuedOutlet, public emulators::ByteOutput {
   WireStatistics& statistics_;
 };
 
-/// One UDP port whose datagrams each say where they go. `units` and `bytes`: how much may wait.
-/// They keep apart: a client's system holds back some 200 kB for it.
+/// One UDP port whose datagrams each have a destination. `units` and `bytes`: how much may wait.
+/// They keep apart (keep_apart()): a client's system has room for some 200 kB.
 class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOutput {
  public:
   AddressedOutlet(drivers::DatagramPort& port, WireStatistics& statistics, std::size_t units,
                   std::size_t bytes);
   void send(SimTime due, const emulators::UdpEnd& to, std::span<const std::uint8_t> bytes,
             bool do_not_fragment) override;
-  /// Starts the port. The receiver may lead the outlet elsewhere, and must not destroy it.
+  /// Starts the port. The receiver may call lead_to(), and must not destroy the outlet.
   void start(drivers::DatagramPort::Receiver receiver);
-  /// From now on they leave there; it must outlive the outlet.
+  /// From now on datagrams leave through `port`; it must outlive the outlet.
   void lead_to(drivers::DatagramPort& port) { port_ = &port; }
   [[nodiscard]] WireKind kind() const override { return WireKind::ethernet; }
   [[nodiscard]] std::optional<std::size_t> untaken() const override;
@@ -145,7 +146,7 @@ class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOut
                std::span<const std::uint8_t> bytes) override;
   drivers::DatagramPort* port_;
   WireStatistics& statistics_;
-  drivers::IpEnd last_to_;  ///< Where a datagram went last.
+  drivers::IpEnd last_to_;  ///< Destination of the last datagram.
   drivers::DatagramPort::Receiver receiver_;
 };
 
@@ -172,14 +173,14 @@ class ServerOutlet final : public QueuedOutlet, public emulators::StreamOutput {
   drivers::StreamServer::Handler handler_;
 };
 
-/// A CAN bus; every frame brings the statistics of the device that sent it. A frame's bytes, as
+/// A CAN bus; every frame carries the statistics of the device that sent it. A frame's bytes, as
 /// they are counted and hashed: identifier (4, big endian), flags (1: bit 0 extended, bit 1
 /// remote), length (1), data.
 ///
-/// What the client's controller tells its client waits in the same queue, so that everything
-/// reaches the client in the order in which it happened on the bus. It is in no device's
-/// statistics. Confirmations have room of their own: none is ever lost for want of it while not
-/// more than `unsettled_frames` of the client's frames are on their way.
+/// Reports of the client's controller wait in the same queue, so that everything reaches the client
+/// in the order in which it happened on the bus. They are in no device's statistics. Confirmations
+/// have room of their own: none is lost while at most `unsettled_frames` of the client's frames are
+/// on their way.
 class FrameOutlet final : public QueuedOutlet {
  public:
   explicit FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames = 64);

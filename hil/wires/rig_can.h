@@ -1,13 +1,13 @@
-// One CAN bus of the rig at run time: the bus model, its devices, and the way outside.
+// One CAN bus of the rig at run time: the bus model, its devices, and its endpoint.
 //
 // Nodes are added device by device, in the order of the devices' names; faults come last. The bus
 // goes to the executive first, then its outlets: a frame is due on the wire only when the bus has
 // sent it. Owns model, nodes and outlets. The endpoints must outlive it; devices and their
 // statistics must live to its last advance().
 //
-// The bus has one way outside, and further ports as wanted: each is a node of its own with its own
-// client, bit rate, error counters and acknowledgement, as a second adapter on the bus is. What one
-// port's client sends, all others hear.
+// The bus has one endpoint, and further ports as wanted: each is a node of its own with its own
+// client, bit rate, error counters and acknowledgement, like a second adapter on the bus. What one
+// port's client sends, all others receive.
 #pragma once
 
 #include <memory>
@@ -40,8 +40,8 @@ struct RigCanSettings {
 
 /// Joins bus model and endpoint. Every frame that a device of the bus has sent goes to the endpoint
 /// at its end of frame, in the device's own statistics. The client's frames enter as those of the
-/// outside node; what becomes of them, and what its controller has to say, goes back in due time
-/// and in order. The client's settings of its controller are the outside node's.
+/// outside node; their confirmations, and the reports of its controller, go back in due time and in
+/// order. The client's settings of its controller are the outside node's.
 class RigCan final : public EventSource, private emulators::CanOutside {
  public:
   /// `endpoint` must outlive it. Throws std::invalid_argument.
@@ -51,33 +51,34 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   RigCan(const RigCan&) = delete;
   RigCan& operator=(const RigCan&) = delete;
 
-  /// Nodes added from now on belong to the device of this name: faults know the first of them by
-  /// it, further ones as "NAME 2" and so on.
+  /// Starts the nodes of the device of this name: faults know its first node by it, further ones as
+  /// "NAME 2" and so on.
   void begin_device(const std::string& name);
-  /// A new node; the output is what its device must be constructed with. `statistics` must live
-  /// to the last advance(). Throws std::invalid_argument for settings of nodes out of range.
+  /// Adds a node; the returned output is what its device must be constructed with. `statistics`
+  /// must live to the last advance(). Throws std::invalid_argument for settings of nodes out of
+  /// range.
   [[nodiscard]] emulators::FrameOutput& add_node(WireStatistics& statistics);
-  /// The device that was constructed with `output`; it must live to the last advance().
+  /// Attaches the device that was constructed with `output`; it must live to the last advance().
   void attach(emulators::FrameOutput& output, emulators::CanDevice& device);
-  /// After the last add_node(), before the run. Throws std::invalid_argument.
+  /// To be called after the last add_node(), before the run. Throws std::invalid_argument.
   void set_faults(const emulators::CanBusFaults& faults);
   /// Returns the port for the faults that were set, and for more. It must outlive the port.
   [[nodiscard]] std::unique_ptr<FaultPort> fault_port(
       const std::vector<emulators::CanFault>& configured);
 
-  /// A further port; `name` is its node's, by which faults know it. Before the first device.
+  /// Adds a further port, before the first device; `name` is its node's, by which faults know it.
   /// `client_is_known`: as in RigCanSettings, of this endpoint. Throws std::invalid_argument.
   class Port;
   [[nodiscard]] Port& add_port(const std::string& name, drivers::CanBus& endpoint,
                                bool client_is_known);
 
-  /// A frame that came in from the endpoint.
+  /// Takes a frame that came in from the endpoint.
   void receive(SimTime now, const protocols::can::Frame& frame) { bus_.receive(now, frame); }
-  /// What the endpoint's on_client() tells.
+  /// Takes what the endpoint's on_client() reports.
   void client(SimTime now, const drivers::CanClient& client);
 
   [[nodiscard]] FrameOutlet& outlet() { return outlet_; }
-  /// The first way outside; a client is there when any port has one.
+  /// Returns the status of the first endpoint; a client is present when any port has one.
   [[nodiscard]] drivers::EndpointStatus endpoint() const;
   [[nodiscard]] const emulators::CanBusModel& bus() const { return bus_; }
   /// Returns the statistics of what the client is sent besides frames of devices.
@@ -109,7 +110,7 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   std::vector<std::unique_ptr<Port>> ports_;
 };
 
-/// A port as its endpoint meets it.
+/// A further port of the bus, with its endpoint.
 class RigCan::Port final : private emulators::CanDevice, private emulators::CanOutside {
  public:
   Port(RigCan& can, const std::string& name, drivers::CanBus& endpoint, bool client_is_known);
@@ -120,7 +121,7 @@ class RigCan::Port final : private emulators::CanDevice, private emulators::CanO
   void client(SimTime now, const drivers::CanClient& client);
   [[nodiscard]] FrameOutlet& outlet() { return outlet_; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const { return endpoint_.status(); }
-  /// Frames of others that its client was given.
+  /// Returns the statistics of the other nodes' frames that its client was given.
   [[nodiscard]] const WireStatistics& statistics() const { return heard_; }
 
  private:
@@ -147,7 +148,7 @@ class RigCan::Port final : private emulators::CanDevice, private emulators::CanO
   drivers::CanBus& endpoint_;
   FrameOutlet outlet_;
   WireStatistics heard_;
-  WireStatistics sent_;  ///< Its client's frames, on the first way outside.
+  WireStatistics sent_;  ///< Its client's frames, at the first endpoint.
   emulators::FrameOutput& node_;
 };
 

@@ -1,5 +1,5 @@
-// A real USB device, passed on: what this machine's libusb has opened, a client of the rig's USB
-// bus attaches as if it were plugged in there.
+// Passes a real USB device on: a client of the rig's USB bus attaches a device that this machine's
+// libusb has opened as if it were plugged in there.
 //
 // Descriptors are read from the device once. Class and vendor requests and transfers go to the
 // device and back; the standard requests are answered here (usb_standard_requests.h), so that
@@ -7,7 +7,7 @@
 // a USB endpoint is cleared on the device at once, as the client's CLEAR_FEATURE does not reach it.
 // Isochronous endpoints do not exist here. A client that takes the device does not reset it.
 //
-// The device answers in wall time, so that this makes sense under a clock that follows it only.
+// The device answers in wall time, so that it needs a clock that follows that.
 #pragma once
 
 #include <map>
@@ -40,14 +40,14 @@ class UsbPassThrough final : public emulators::UsbDevice {
   void advance(SimTime now) override { now_ = now; }
 
   [[nodiscard]] const drivers::UsbDeviceHandle& device() const { return *device_; }
-  /// The control transfer that the client began last.
+  /// Returns the last control transfer that the client began.
   [[nodiscard]] const std::optional<emulators::UsbRequest>& last_request() const {
     return last_request_;
   }
 
  private:
   using Outcome = protocols::usb::Outcome;
-  /// The completion of a transfer that the client knows as `transfer`.
+  /// Returns the completion of a transfer that the client knows as `transfer`.
   [[nodiscard]] drivers::UsbDeviceHandle::Done passing_on(emulators::UsbTransfer transfer,
                                                           std::uint8_t endpoint);
 
@@ -58,7 +58,8 @@ class UsbPassThrough final : public emulators::UsbDevice {
   std::optional<emulators::UsbRequest> last_request_;
   /// The client's numbers to the device's.
   std::map<emulators::UsbTransfer, drivers::UsbDeviceHandle::Transfer> open_;
-  std::uint64_t client_ = 0;  ///< Counts them; what a client before began concerns nobody.
+  /// Counts clients, so that transfers of an earlier client are ignored.
+  std::uint64_t client_ = 0;
 };
 
 }  // namespace rigwire::hil

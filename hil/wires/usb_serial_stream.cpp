@@ -50,7 +50,7 @@ void UsbSerialStream::call_later() {
 void UsbSerialStream::hand_on() {
   call_pending_ = false;
   if (!unread_.empty()) {
-    tell(true);  // whoever wrote was there, even if it has gone by now
+    tell(true);  // The client that wrote was present, even if it has gone by now.
     std::swap(unread_, handing_on_);
     receiver_(handing_on_);
     handing_on_.clear();

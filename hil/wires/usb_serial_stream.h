@@ -1,9 +1,9 @@
-// A serial device's line when the device has a USB socket instead: the stream that a pty would be,
-// on a CDC-ACM device of the rig's USB bus.
+// The line of a serial device that has a USB socket instead: a stream like that of a pty, on a
+// CDC-ACM device of the rig's USB bus.
 //
-// A client is there while it has the line open (emulators/usb/cdc_acm.h). Its speed is told as 0,
-// not known: on USB there is no line whose two ends could differ in speed, and receivers ignore
-// what the client sets; coding() has it.
+// A client is present while it has the line open (emulators/usb/cdc_acm.h). Its speed is reported
+// as 0, not known: on USB there is no line whose two ends could differ in speed, and receivers
+// ignore what the client sets; line() has it.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -33,14 +33,14 @@ class UsbSerialStream final : public drivers::ByteStream, private emulators::Cdc
   std::size_t write(std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] drivers::EndpointStatus status() const override;
 
-  /// What the client has set, whether or not it is there.
+  /// Returns the client's settings, whether or not it is present.
   [[nodiscard]] const emulators::CdcAcmLine& line() const { return usb_.line(); }
   [[nodiscard]] UsbBus::Socket socket() const { return socket_; }
 
  private:
   void received(SimTime now, std::span<const std::uint8_t> bytes) override;
   void line_changed(SimTime now, const emulators::CdcAcmLine& line) override;
-  /// News is handed on from the io_context, whatever it came from.
+  /// Posts the changes to the io_context, whatever caused them.
   void call_later();
   void hand_on();
   void tell(bool present);

@@ -1,9 +1,9 @@
-// What passes on the rig's wires, as it is told to whoever records it: the one place where all of
-// it comes by is the outlet (hil/wires/outlets.h), so that no device knows of it.
+// Taps of the rig's wires, for recorders and viewers. The outlet (hil/wires/outlets.h), which
+// everything passes, calls them, so that no device knows of it.
 //
-// Told is what a client of the wire can meet. What a device sent and the wire did not take was on
-// no wire and is told as lost. On a CAN bus the frames of clients are told when they are complete
-// on the bus, with those of the devices in the order of the bus.
+// A tap receives what a client of the wire can observe. What a device sent and the wire did not
+// take was on no wire and is reported as lost. On a CAN bus the frames of clients are reported when
+// they are complete on the bus, with those of the devices in the order of the bus.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct StreamPiece {
     opened,
     bytes,
     ended,  ///< One side sends nothing more.
-    gone,   ///< The connection is over; told once for each that was opened.
+    gone,   ///< The connection is over; reported once for each that was opened.
   };
 
   drivers::IpEnd device;
@@ -43,7 +43,7 @@ struct StreamPiece {
   std::span<const std::uint8_t> bytes;
 };
 
-/// Bytes, frames, and the settings of the client's end: the last two are only ever received.
+/// Bytes, frames, and the settings of the client's end; the settings are only ever received.
 using WirePiece = std::variant<SerialPiece, DatagramPiece, StreamPiece, protocols::can::Frame,
                                protocols::can::ErrorFrame, drivers::LineClient, drivers::CanClient>;
 

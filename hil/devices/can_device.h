@@ -1,5 +1,5 @@
-// A device that is a node of a CAN bus, whatever it measures: the emulator between its bus and its
-// station, its own clock, and the memory that outlives its supply.
+// A device that is a node of a CAN bus, whatever it measures: joins the emulator with its bus and
+// its station, its own clock, and the memory that outlives its supply.
 #pragma once
 
 #include <fmt/format.h>
@@ -44,7 +44,7 @@ template <class Emulator, class Ask, class Settings>
   return ask(Emulator(settings, memory, nowhere));
 }
 
-/// When the supply of an emulator with these settings first comes.
+/// Returns when the supply of an emulator with these settings first comes.
 template <class Settings>
 [[nodiscard]] SimTime supplied_from(const Settings& settings) {
   if constexpr (requires { settings.supply; }) {
@@ -54,13 +54,13 @@ template <class Settings>
   }
 }
 
-/// When a fault holds, as that clock shows it.
+/// Returns the period of a fault by that clock.
 [[nodiscard]] inline FaultPeriod in_own_time(const emulators::OwnClock& clock, FaultPeriod when) {
   when.at = clock.own_time(when.at);
   when.until = when.until ? std::optional(clock.own_time(*when.until)) : std::nullopt;
   return when;
 }
-/// What acts on a device from outside at instants of the run, as its own clock shows them.
+/// Returns the settings with all external events at instants of the run converted to its own clock.
 template <class Settings>
 [[nodiscard]] Settings in_own_time(const emulators::OwnClock& clock, Settings settings) {
   if constexpr (requires { settings.supply; }) {
@@ -120,7 +120,7 @@ class FaultyBackend<Backend> final : public FaultyUpdate<Backend> {
   }
 };
 
-/// `Backend` is the face of the emulator that takes its samples (emulators/backends.h). It lives on
+/// `Backend` is the interface of the emulator that takes its samples (emulators/backends.h). It has
 /// a clock of its own (emulators/own_clock.h), drawn from the streams "<name>/clock" and, for the
 /// jitter, "<name>/clock/jitter".
 template <class Emulator, class Backend>
@@ -128,14 +128,14 @@ class CanDeviceOf : public Device {
  public:
   using Faults = NodeFaults<typename Backend::Sample>;
 
-  /// The emulator is made of `settings`, `arguments` and the node's output.
+  /// Makes the emulator from `settings`, `arguments` and the node's output.
   template <class Settings, class... Arguments>
   CanDeviceOf(Site& site, const std::string& bus, const emulators::OwnClockSettings& clock,
               const Faults& faults, const Settings& settings, const Arguments&... arguments)
       : CanDeviceOf(Clocked{site, bus, clock, faults,
                             asked<Emulator>(kSamplePeriod, settings, arguments...)},
                     nullptr, settings, arguments...) {}
-  /// For an emulator that remembers: it is made of settings, memory and output.
+  /// Makes an emulator with memory from settings, memory and output.
   template <class Settings>
   CanDeviceOf(Site& site, const std::string& bus, const emulators::OwnClockSettings& clock,
               const Faults& faults, const Settings& settings, NodeMemory memory)
@@ -156,8 +156,8 @@ class CanDeviceOf : public Device {
     return client_request(bus_.bus().last_request(node_));
   }
 
-  /// Once, after construction: what its emulator can be told, `settings` of the configuration being
-  /// what it is made with.
+  /// Sets what can be changed while the emulator runs; `settings` is the member of the
+  /// configuration that it is made with. To be called once, after construction.
   template <class Configuration, class Settings>
   void hear(std::span<const emulators::LiveSetting<Emulator, Settings>> rows,
             Settings Configuration::*settings) {
@@ -290,14 +290,14 @@ class CanDeviceOf : public Device {
       };
 };
 
-/// What a device on a CAN bus does there, asked of its emulator.
+/// Returns what a device does on a CAN bus, from its emulator.
 [[nodiscard]] inline auto bus_share_of(const std::string& bus, std::string_view name) {
   return [bus, name](const emulators::CanDevice& emulator) {
     return BusShare{bus, emulator.nominal_rate_hz(), emulator.messages(name)};
   };
 }
 
-/// The settings with those faults of the list that the emulator acts out itself.
+/// Returns the settings with those faults of the list that the emulator itself simulates.
 template <class Settings, class Mixed>
 [[nodiscard]] Settings with_supply_faults(Settings settings, const std::vector<Mixed>& faults) {
   settings.supply.faults = those_of<emulators::SupplyFault>(faults);

@@ -39,7 +39,7 @@ struct DeviceStatus {
   bool client_present = false;
   unsigned readers = 0;  ///< Programs on one plug (drivers::EndpointStatus).
   std::optional<Duration> since_client_activity;  ///< Simulated time since a client last sent.
-  std::optional<ClientRequest> last_request;      ///< What the device understood of it last.
+  std::optional<ClientRequest> last_request;      ///< The last request that the device understood.
 };
 
 /// Receives every fix of a satellite receiver: a lidar for its time, a vehicle gateway for its
@@ -50,7 +50,7 @@ class FixListener {
   virtual void observe_fix(const GnssSample& sample) = 0;
 };
 
-/// A receiver's fixes, for the devices that are wired to it.
+/// Source of a receiver's fixes, for the devices that are wired to it.
 class FixSource {
  public:
   virtual ~FixSource() = default;
@@ -71,7 +71,7 @@ class CorrectionListener {
 class CorrectionSource {
  public:
   virtual ~CorrectionSource() = default;
-  /// `listener` hears all bytes from now on, and must outlive the source's use.
+  /// From now on passes all bytes to `listener`, which must outlive the source's use.
   virtual void inform(CorrectionListener& listener) = 0;
 };
 
@@ -84,44 +84,44 @@ class Device {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  /// Joins it with others of the rig; once, when all exist.
+  /// Connects it with others of the rig; called once, when all exist.
   virtual void connect(const Neighbours& /*neighbours*/) {}
 
   [[nodiscard]] virtual drivers::EndpointStatus endpoint() const = 0;
   [[nodiscard]] virtual const emulators::Device& emulator() const = 0;
-  /// Messages on the wire so far.
+  /// Returns the number of messages on the wire so far.
   [[nodiscard]] virtual std::uint64_t frames() const { return statistics_.units; }
-  /// Units of output lost before and at the endpoint.
+  /// Returns the number of units of output lost before and at the endpoint.
   [[nodiscard]] virtual std::uint64_t dropped() const { return statistics_.dropped; }
   [[nodiscard]] virtual const WireStatistics& statistics() const { return statistics_; }
 
-  /// What else it counts, for the report.
+  /// Returns further counts for the report.
   [[nodiscard]] virtual std::vector<NamedCount> counts() const { return {}; }
 
-  /// What a client asked last, as far as the device understood it; nothing before the first.
+  /// Returns the last request of a client that the device understood; nullopt before the first.
   [[nodiscard]] virtual std::optional<ClientRequest> last_request() const = 0;
 
-  /// Where what goes wrong with it begins and ends, in the order of its faults' windows.
+  /// Returns the ports of its faults, in the order of the faults' windows.
   [[nodiscard]] const std::vector<std::unique_ptr<FaultPort>>& fault_ports() const {
     return fault_ports_;
   }
 
-  /// Tells it one of DeviceConfiguration::live_keys(), as `wanted` has it, a valid configuration of
-  /// its type. Why it does not take that; empty: it has.
+  /// Changes one of DeviceConfiguration::live_keys() to its value in `wanted`, a valid
+  /// configuration of its type. Returns why the device refuses it; empty: it is changed.
   [[nodiscard]] virtual std::string tell(SimTime /*now*/, const DeviceConfiguration& /*wanted*/,
                                          std::string_view /*key*/) {
     return "this device has no settings that can be changed at run time";
   }
 
-  /// What others may be joined with; null where there is none.
+  /// What other devices can be connected to; null when it has none.
   [[nodiscard]] virtual FixSource* fixes() { return nullptr; }
   [[nodiscard]] virtual CorrectionSource* corrections() { return nullptr; }
   [[nodiscard]] virtual const ValveSource* valves() const { return nullptr; }
-  /// What is otherwise than in the real device here, for the run's start; empty: nothing.
+  /// Returns how it differs from the real device here, for the run's start; empty: it does not.
   [[nodiscard]] virtual std::string remark() const { return {}; }
-  /// Whether the file of every lidar shot names it.
+  /// Returns whether the file of every lidar shot names it.
   [[nodiscard]] virtual bool is_lidar() const { return false; }
-  /// The station of a camera, at which it asks for exposures; nothing for other devices.
+  /// Returns the station of a camera, at which it asks for exposures; nullopt for other devices.
   [[nodiscard]] virtual std::optional<StationIndex> camera_station() const { return std::nullopt; }
 
   [[nodiscard]] DeviceStatus status(const std::string& name, SimTime now) const;
@@ -129,7 +129,7 @@ class Device {
  protected:
   Device() = default;
   [[nodiscard]] WireStatistics& own_statistics() { return statistics_; }
-  /// Once for each list of faults, while it is made.
+  /// Adds a port; to be called once for each list of faults, while the device is made.
   void offer(std::unique_ptr<FaultPort> port) { fault_ports_.push_back(std::move(port)); }
   /// To be called when a client has sent something; brings the devices up to the present.
   SimTime client_arrived(Executive& executive);
@@ -152,10 +152,10 @@ class Neighbours {
   [[nodiscard]] virtual std::vector<const ValveSource*> valves() const = 0;
 };
 
-/// What an emulator's wire format can carry.
+/// Returns what an emulator's wire format can carry.
 [[nodiscard]] std::vector<DescribedQuantity> quantities_of(const emulators::Device& emulator);
 
-/// A calendar for emulators that are only built to be asked.
+/// Returns a calendar for emulators that are built only to describe them.
 [[nodiscard]] const Calendar& some_calendar();
 
 }  // namespace rigwire::hil

@@ -1,6 +1,6 @@
-// What the bridge asks of a device type before a run: its keys, whether they fit the rig, what it
-// will send, what it is. One class per type in this folder, listed in device_types.cpp; whoever
-// leaves an answer out does not compile. The device at run time is device.h's.
+// A device type before a run: its keys, whether they fit the rig, what it will send, its
+// description. One class per type in this folder, listed in device_types.cpp; a class that leaves a
+// function out does not compile. device.h has the device at run time.
 #pragma once
 
 #include <memory>
@@ -29,7 +29,7 @@ struct DevicePlan {
   std::string with;   ///< What else is worth knowing.
 };
 
-/// What a device does on a CAN bus by itself. Every member is an answer of the emulator's.
+/// What a device does on a CAN bus by itself. Every member comes from the emulator.
 struct BusShare {
   std::string bus;   ///< One of the rig's.
   double frames_hz;  ///< Rate as configured, and as if a master had started it.
@@ -42,7 +42,7 @@ struct DeviceMessage {
   std::string content;
 };
 
-/// A quantity with its texts owned, as the device it was asked of is gone.
+/// A quantity with copies of its texts, as its device is gone.
 struct DescribedQuantity {
   std::string name;
   std::string unit;
@@ -51,7 +51,7 @@ struct DescribedQuantity {
   double resolution = 0.0;
 };
 
-/// What `rigwire describe` says of a type beside its keys.
+/// What `rigwire describe` shows of a type beside its keys.
 struct DeviceDescription {
   std::string wire;
   std::string document;  ///< Title, revision, sections.
@@ -60,34 +60,34 @@ struct DeviceDescription {
   std::vector<DescribedQuantity> quantities;
 };
 
-/// How many epochs a satellite receiver sends, for DevicePlan::sends: "1 epoch/s", "10 epochs/s".
+/// Returns a receiver's rate for DevicePlan::sends: "1 epoch/s", "10 epochs/s".
 [[nodiscard]] std::string epochs_text(double rate_hz);
 
 class DeviceConfiguration {
  public:
   virtual ~DeviceConfiguration() = default;
 
-  /// Its keys. `type` is not among them.
+  /// Visits its keys. `type` is not among them.
   virtual void visit(fields::Visitor& v) = 0;
-  /// What joins several of its own members. Throws std::invalid_argument.
+  /// Checks what joins several of its own members. Throws std::invalid_argument.
   virtual void validate() const = 0;
-  /// How it fits into the rig; `at` is "devices.gnss".
+  /// Checks how it fits into the rig; `at` is "devices.gnss".
   virtual void check(const std::string& at, RigCheck& check) const = 0;
   /// Shows the faults among its keys.
   virtual void each_fault(const FaultEar& take) = 0;
-  /// What can go wrong with it, also while it runs, as its ports tell (device.h). What depends on
-  /// the rig, a line of its own, is as the defaults have it.
+  /// Returns the kinds of fault that it can have, also while it runs, as its ports report them
+  /// (device.h). For what depends on the rig, such as a line of its own, the defaults count.
   [[nodiscard]] virtual std::vector<fields::Named> fault_kinds() const = 0;
-  /// Those of its keys that it can be told while it runs (Device::tell), in the order in which they
-  /// are told.
+  /// Returns those of its keys that can be changed while it runs (Device::tell), in the order in
+  /// which they are applied.
   [[nodiscard]] virtual std::vector<LiveKey> live_keys() const { return {}; }
   /// The three below may throw std::invalid_argument for settings that make no device.
   [[nodiscard]] virtual DevicePlan plan(const RigView& rig) const = 0;
   /// nullopt: it is not on a CAN bus. `name` is the device's in its rig.
   [[nodiscard]] virtual std::optional<BusShare> bus_share(std::string_view name) const = 0;
   [[nodiscard]] virtual DeviceDescription describe() const = 0;
-  /// Opens its wire and takes its place in the executive and in the world: station, outlets, then
-  /// further stations. Throws drivers::EndpointError (environment), std::invalid_argument or
+  /// Opens its wire and adds itself to the executive and the world: station, outlets, then further
+  /// stations. Throws drivers::EndpointError (environment), std::invalid_argument or
   /// std::runtime_error (configuration).
   [[nodiscard]] virtual std::unique_ptr<Device> make(Site& site) const = 0;
 
@@ -95,12 +95,12 @@ class DeviceConfiguration {
   [[nodiscard]] virtual std::optional<std::string> electronic_data_sheet() const {
     return std::nullopt;
   }
-  /// Whether it is a satellite receiver, from which others can get time and position.
+  /// Returns whether it is a satellite receiver, from which others can get time and position.
   [[nodiscard]] virtual bool is_receiver() const { return false; }
-  /// Whether it makes pictures, behind which there is a truth (run --camera-truth).
+  /// Returns whether it makes pictures, which have ground truth (run --camera-truth).
   [[nodiscard]] virtual bool is_camera() const { return false; }
 
-  /// Whether others can be wired to it for its corrections (CorrectionSource).
+  /// Returns whether others can be wired to it for its corrections (CorrectionSource).
   [[nodiscard]] virtual bool is_base_station() const { return false; }
 
   [[nodiscard]] virtual std::unique_ptr<DeviceConfiguration> copy() const = 0;
@@ -108,10 +108,10 @@ class DeviceConfiguration {
 
 // For fields::Part, which finds them by the type.
 void visit(fields::Visitor& v, DeviceConfiguration& p);
-/// Every member by its rule, then what joins them. Throws std::invalid_argument.
+/// Checks every member by its rule, then what joins them. Throws std::invalid_argument.
 void validate(const DeviceConfiguration& p);
 
-/// Base of the classes of this folder: copies as what it is.
+/// Base of the classes of this folder: implements copy().
 template <class Type>
 class DeviceConfigurationOf : public DeviceConfiguration {
  public:

@@ -1,5 +1,5 @@
-// A GigE Vision camera of a rig: where it is on the network, what kind it is, its mount, what the
-// device does and how well it sees. One structure for all kinds.
+// A GigE Vision camera of a rig: its network address, its kind, its mount, its behaviour and its
+// accuracy. One structure for all kinds.
 #pragma once
 
 #include <cstdint>
@@ -27,11 +27,11 @@ struct GigeCameraConfiguration final : DeviceConfigurationOf<GigeCameraConfigura
   MountConfiguration mount;         ///< Frame S: x forward along the optical axis.
   bool sees_own_link = false;       ///< Whether shapes of the mount's link can be seen.
   Duration processing = std::chrono::milliseconds(100);
-  emulators::GigeCameraSettings camera;  ///< But for what settings_of() fills in from the others.
+  emulators::GigeCameraSettings camera;  ///< Except what settings_of() fills in from the others.
   sim::CameraKind sensor;
   std::vector<MixedFault<emulators::GigeCameraFault, emulators::SupplyFault>> faults;
 
-  /// The kind's values stand for its defaults; `model` is what the device calls itself.
+  /// `kind` has the defaults; `model` is the name that the device reports.
   explicit GigeCameraConfiguration(sim::CameraKind kind = sim::CameraParameters(),
                                    std::string_view model = "AreaCamera");
 
@@ -48,12 +48,12 @@ struct GigeCameraConfiguration final : DeviceConfigurationOf<GigeCameraConfigura
   [[nodiscard]] bool is_camera() const override { return true; }
 };
 
-/// What the emulator is to be given: with what its sensor can do and where it is on the network.
-/// Throws std::invalid_argument for addresses that are none, and for sensors that make no camera.
+/// Returns the emulator's settings, completed with what its sensor can do and its network address.
+/// Throws std::invalid_argument for malformed addresses, and for sensors that make no camera.
 [[nodiscard]] emulators::GigeCameraSettings settings_of(
     const GigeCameraConfiguration& configuration);
 
-/// What it wants of its sensor at power-on. Throws likewise.
+/// Returns the sensor's settings at power-on. Throws as settings_of().
 [[nodiscard]] CameraCommand power_on_command(const GigeCameraConfiguration& configuration);
 
 }  // namespace rigwire::hil

@@ -1,5 +1,5 @@
-// Keys of a device's configuration that can be changed while it runs: those that its emulator can
-// be told (emulators/live_setting.h). Beside them nothing can.
+// Keys of a device's configuration that can be changed while it runs: exactly those that its
+// emulator takes (emulators/live_setting.h).
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace rigwire::hil {
 
 struct LiveKey {
   std::string_view key;
-  std::string_view by;  ///< How the device's own configuration software tells it.
+  std::string_view by;  ///< How the device's own configuration software changes it.
 };
 
 template <class Emulator, class Settings>
@@ -27,7 +27,7 @@ template <class Emulator, class Settings>
   return keys;
 }
 
-/// Precondition: one of the rows has that key.
+/// Changes that key of the emulator to its value in `wanted`. Precondition: one of the rows has it.
 template <class Emulator, class Settings>
 [[nodiscard]] std::string tell(std::span<const emulators::LiveSetting<Emulator, Settings>> rows,
                                std::string_view key, Emulator& emulator, SimTime now,

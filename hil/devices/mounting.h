@@ -51,7 +51,7 @@ void set_up_antenna(Site& site, StationIndex station, const Eigen::Vector3d& p_W
 /// Throws std::invalid_argument for RTK of a receiver that takes no corrections at its ports.
 void check_corrections(sim::CorrectionKind kind, bool takes_them, std::string_view receiver);
 
-/// An inertial unit, with its magnetometer where it has one.
+/// An inertial unit, and its magnetometer if it has one.
 void mount_inertial_unit(Site& site, StationIndex station, const MountConfiguration& mount,
                          const sim::ImuParameters& sensor,
                          const sim::MagnetometerConfiguration& magnetometer);
@@ -62,7 +62,7 @@ struct JointConfiguration {
   std::string link = "upper";          ///< Link that turns the shaft.
   char axis = 'z';  ///< Axis of the base link about which the shaft turns: x, y or z.
 };
-/// Visits its keys, which stand among those of the device.
+/// Visits its keys, which are beside those of the device.
 void visit(fields::Visitor& v, JointConfiguration& p);
 /// `at`: key path of the joint's keys.
 void check_joint(const JointConfiguration& joint, const std::string& at, RigCheck& check);

@@ -157,7 +157,7 @@ class NtripCasterDevice final : public Device, private EventSource {
     return settings;
   }
 
-  // What is heard and what is late leaves at once: it is due at the instant of what caused it.
+  // Received and delayed frames leave at once: they are due at the instant of what caused them.
   [[nodiscard]] SimTime next_event() const override { return caster_.next_event(); }
   [[nodiscard]] SimTime next_wakeup() const override { return caster_.next_event(); }
   void advance(SimTime now) override { caster_.advance(now); }
@@ -196,7 +196,7 @@ class NtripCasterDevice final : public Device, private EventSource {
   drivers::TcpServer endpoint_;
   Output output_;
   emulators::NtripCaster caster_;
-  std::vector<Line> lines_;  ///< Complete before anybody hears of them.
+  std::vector<Line> lines_;  ///< Complete before listeners get pointers to them.
 };
 
 std::unique_ptr<Device> NtripCasterConfiguration::make(Site& site) const {

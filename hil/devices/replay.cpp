@@ -40,7 +40,7 @@ constexpr std::array<ReplayedKind, 3> kKinds{ReplayedKind::bytes, ReplayedKind::
 constexpr std::array<const char*, 3> kKindNames{"bytes of a serial line", "UDP datagrams",
                                                 "CAN frames"};
 
-/// Sends each unit with the instant at which it is due, and hears without answering.
+/// Sends each unit at the instant at which it is due; ignores what it receives.
 class Player final : public emulators::CanDevice {
  public:
   using Send = std::function<void(const ReplayedUnit&)>;

@@ -1,6 +1,6 @@
-// Finding fault with how the parts of a rig go together: names that nobody has, wires and addresses
-// taken twice, reach beyond this machine. CAN buses and Modbus lines are checked by it as devices
-// are; nothing here repeats what a single field's range says.
+// Checks how the parts of a rig go together: unknown names, wires and addresses taken twice,
+// addresses beyond this machine. Checks CAN buses and Modbus lines like devices; repeats no check
+// of a single field's range.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace rigwire::hil {
 
-/// Everywhere `path` is the key that is wrong if something is.
+/// In every function `path` is the key to report if something is wrong.
 class RigCheck {
  public:
   /// All must outlive it.
@@ -24,9 +24,9 @@ class RigCheck {
 
   void report(const std::string& path, std::string what, std::string found = {},
               std::string allowed = {}, std::string suggestion = {});
-  /// `resource` can belong to one part of the rig only.
+  /// Claims `resource`, which can belong to one part of the rig only.
   void claim(const std::string& path, const std::string& resource, const std::string& shown);
-  /// One of `names`; `what` says what there is not ("no such bus").
+  /// `found` must be one of `names`; `what` names what is missing ("no such bus").
   void one_of(const std::string& path, const std::string& what, const std::string& found,
               const std::vector<std::string>& names);
 
@@ -36,34 +36,35 @@ class RigCheck {
                       const std::string& found, const std::string& allowed);
 
   void link(const std::string& path, const std::string& link);
-  /// An absolute path that is free.
+  /// Checks an absolute path that must be free.
   void file_path(const std::string& path, const std::string& file);
-  /// Keys `path` and `ports` below `path`: absolute paths that are free.
+  /// Checks keys `path` and `ports` below `path`: absolute paths that must be free.
   void port_paths(const std::string& path, const std::string& file, unsigned ports);
-  /// An IPv4 address, of this machine unless `allow_remote`.
+  /// Checks an IPv4 address, of this machine unless `allow_remote`.
   void address(const std::string& path, const std::string& address, bool allow_remote);
-  /// Keys `address` and `port` below `path`: a TCP server.
+  /// Checks keys `address` and `port` below `path`: a TCP server.
   void listener(const std::string& path, const std::string& address, std::uint16_t port,
                 bool allow_remote);
-  /// Key `line` below `path`. False when there is no such Modbus line.
+  /// Checks key `line` below `path`. False when there is no such Modbus line.
   bool modbus_line(const std::string& path, const std::string& line);
-  /// Key `bus` below `path`. False when there is no such bus.
+  /// Checks key `bus` below `path`. False when there is no such bus.
   bool bus(const std::string& path, const std::string& bus);
-  /// Keys `bus`, `source_address` and `serial` below `path`: a J1939 node.
+  /// Checks keys `bus`, `source_address` and `serial` below `path`: a J1939 node.
   void j1939_node(const std::string& path, const std::string& bus, unsigned address,
                   std::uint32_t serial);
-  /// Keys `bus` and `node_id` below `path`: a CANopen node, which may have none yet.
+  /// Checks keys `bus` and `node_id` below `path`: a CANopen node, which may have none yet.
   void canopen_node(const std::string& path, const std::string& bus, unsigned node_id);
-  /// Whether two devices of the bus may be given one address.
+  /// Returns whether two devices of the bus may be given one address.
   [[nodiscard]] bool duplicates(const std::string& bus) const;
-  /// For everything on USB: they share one server.
+  /// To be called for everything on USB: they share one server.
   void usb();
-  /// A receiver of the rig, or one of `words`.
+  /// Checks a receiver of the rig, or one of `words`.
   void receiver(const std::string& path, const std::string& source,
                 const std::vector<std::string>& words);
-  /// A base station of the rig other than `self`.
+  /// Checks a base station of the rig other than `self`.
   void base_station(const std::string& path, const std::string& source, const std::string& self);
-  /// The machine must have one, with these actuators; `path` is the device's, its key `sections`.
+  /// The machine must have a valve block with these actuators; `path` is the device's, its key
+  /// `sections`.
   void valve_block(const std::string& path, const std::vector<std::string>& sections);
 
  private:

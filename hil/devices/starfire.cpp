@@ -102,7 +102,7 @@ class BothSides final : public emulators::Device, public emulators::GnssBackend 
     return ended;
   }
 
-  std::vector<FixListener*> listeners;  ///< Hear of every fix.
+  std::vector<FixListener*> listeners;  ///< Receive every fix.
 
  private:
   struct Side {
@@ -166,7 +166,7 @@ class StarFireDevice final : public Device, private FixSource {
     return statistics().dropped + on_bus().overflowed;
   }
   [[nodiscard]] const emulators::Device& emulator() const override { return sides_; }
-  /// On the bus: its serial line hears nothing.
+  /// Returns the last request on the bus: its serial line receives nothing.
   [[nodiscard]] std::optional<ClientRequest> last_request() const override {
     return exit_ == nullptr ? std::nullopt : client_request(bus_->bus().last_request(*exit_));
   }

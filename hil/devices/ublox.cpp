@@ -138,7 +138,7 @@ class UbloxDevice final : public Device,
     receiver_.receive_second(now, bytes, baud);
   }
 
-  /// The second UART's line, to whoever is wired to it.
+  /// The second UART's line, to the devices that are wired to it.
   struct Second final : emulators::ByteOutput {
     explicit Second(UbloxDevice& of) : device(of) {}
     void send(SimTime due, std::span<const std::uint8_t> bytes) override {
@@ -150,7 +150,7 @@ class UbloxDevice final : public Device,
     std::vector<CorrectionListener*> listeners;
   };
 
-  /// The receiver's backend, with those who hear of its fixes.
+  /// The receiver's backend, with the listeners to its fixes.
   struct Backend final : emulators::GnssBackend {
     explicit Backend(emulators::UbloxReceiver& of) : receiver(of) {}
     [[nodiscard]] const Command& command() const override { return receiver.command(); }
@@ -192,7 +192,7 @@ UbloxConfiguration::UbloxConfiguration(const emulators::UbloxProfile& profile) {
   if (profile.generation < 8) {
     sensor.systems.sbas = true;
   } else if (profile.generation == 8) {
-    // Fitted to the accuracies that receivers of these generations tell in recordings
+    // Fitted to the accuracies that receivers of these generations report in recordings
     // (docs/accuracy/README.md); those of a NEO-7P are the sensor's own.
     sensor.ranges.broadcast_share = 0.4;
     sensor.ranges.multipath_sigma_m = 0.35;

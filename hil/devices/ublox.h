@@ -1,4 +1,4 @@
-// A u-blox receiver of a rig: its line, its antenna, what the device does and how well it measures.
+// A u-blox receiver of a rig: its line, its antenna, its behaviour and its accuracy.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ namespace rigwire::hil {
 
 enum class SerialWire { pty, usb };
 
-/// The types of receivers differ in their profile, and in what they receive unless told otherwise.
+/// The types of receivers differ in their profile, and by default in the systems that they receive.
 struct UbloxConfiguration final : DeviceConfigurationOf<UbloxConfiguration> {
   SerialWire wire = SerialWire::pty;
   std::string path = "/tmp/rigwire/gnss";  ///< Symbolic link to the pty that a client opens.

@@ -67,12 +67,12 @@ emulators::VelodyneSettings settings_but_calibration(const VelodyneConfiguration
   return settings;
 }
 
-/// Whether it may send there: loopback, or anywhere with `allow_remote`.
+/// Whether it may send to `address`: loopback, or any with `allow_remote`.
 bool permits(const VelodyneConfiguration& p, std::string_view address) {
   return p.allow_remote || address.starts_with("127.");
 }
 
-/// How often the lidar's housing is looked at: about as often as it tells of it.
+/// Sampling period of the housing's motion: about the period at which the lidar reports it.
 constexpr Duration kMotionPeriod = std::chrono::milliseconds(5);
 
 /// Hands the motion of the housing to the lidar, whose own samples are its firings.
@@ -205,7 +205,7 @@ class VelodyneDevice final : public Device, private FixListener {
       server_->start_patiently([this, &executive](const drivers::HttpRequest& request,
                                                   const drivers::HttpServer::Respond& respond) {
         const SimTime now = client_arrived(executive);
-        if (lidar_.supply().on()) {  // else nobody hears it
+        if (lidar_.supply().on()) {  // else it receives nothing
           last_request_ = {now, request.method + " " + request.target};
           respond(answer(now, request));
         }
@@ -214,8 +214,8 @@ class VelodyneDevice final : public Device, private FixListener {
     return index;
   }
 
-  /// Adds the station that hears how the lidar moves, when the device reports it. Once, after
-  /// enlist().
+  /// Adds the station that gives the lidar its motion, when the device reports it. To be called
+  /// once, after enlist().
   [[nodiscard]] std::optional<StationIndex> enlist_motion(Executive& executive) {
     if (model_of(configuration_).position_layout != velodyne::PositionLayout::inertial) {
       return std::nullopt;

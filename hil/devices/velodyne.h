@@ -1,6 +1,5 @@
-// A Velodyne lidar of a rig: its two UDP ports, its web interface, its mount, what the device does
-// and how well it measures. One structure for all models; each has the keys that its model can mean
-// something by.
+// A Velodyne lidar of a rig: its two UDP ports, its web interface, its mount, its behaviour and its
+// accuracy. One structure for all models; each has the keys that have a meaning for its model.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +18,9 @@ namespace rigwire::hil {
 
 /// The sensor's web interface.
 struct LidarWebConfiguration {
-  std::string address = "127.0.0.1";  ///< Where it listens.
-  std::uint16_t port = 0;             ///< 0: there is none.
-  bool silent_refusals = false;       ///< Success is told for requests that are refused, too.
+  std::string address = "127.0.0.1";  ///< Address that it listens at.
+  std::uint16_t port = 0;             ///< 0: no web interface.
+  bool silent_refusals = false;       ///< Refused requests are answered with success, too.
 };
 
 enum class SourcePorts {
@@ -40,7 +39,7 @@ struct VelodyneConfiguration final : DeviceConfigurationOf<VelodyneConfiguration
   std::string time_source{kAutomaticTimeSource};  ///< One of the words below, or a device's name.
   std::string calibration_file;                   ///< HDL-64E; empty: the nominal unit.
   MountConfiguration mount;           ///< Frame S: x forward, y left, z up, on the spin axis.
-  emulators::VelodyneSettings lidar;  ///< But for what settings_of() fills in from the others.
+  emulators::VelodyneSettings lidar;  ///< Except what settings_of() fills in from the others.
   LidarSensorConfiguration sensor;
   std::vector<MixedFault<emulators::VelodyneFault, emulators::SupplyFault>> faults;
 
@@ -64,11 +63,11 @@ struct VelodyneConfiguration final : DeviceConfigurationOf<VelodyneConfiguration
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
 };
 
-/// What the emulator is to be given: with the faults, the source of its time and the calibration
+/// Returns the emulator's settings: with the faults, the source of its time and the calibration
 /// read from its file. Throws std::runtime_error for a file that cannot be used.
 [[nodiscard]] emulators::VelodyneSettings settings_of(const VelodyneConfiguration& configuration);
 
-/// Its model table.
+/// Returns its model table.
 [[nodiscard]] const protocols::velodyne::Model& model_of(
     const VelodyneConfiguration& configuration);
 

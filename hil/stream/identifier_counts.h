@@ -1,4 +1,4 @@
-// How often each identifier has come on a CAN bus, and its newest frame.
+// Counts each identifier on a CAN bus, and keeps its newest frame.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ namespace rigwire::hil {
 class IdentifierCounts {
  public:
   void take(const protocols::can::Frame& frame, bool of_client);
-  /// {"identifiers": [{"id", "count", "size", "from", "text"}, ...]}, the more urgent first;
-  /// `text` is what the newest frame says (hil/stream/wire_reading.h), as far as these messages of
-  /// the bus tell.
+  /// Returns {"identifiers": [{"id", "count", "size", "from", "text"}, ...]}, the more urgent
+  /// first; `text` is the content of the newest frame (hil/stream/wire_reading.h), as far as these
+  /// messages of the bus describe it.
   [[nodiscard]] std::string json(std::span<const protocols::can::OwnedMessage> messages) const;
 
  private:

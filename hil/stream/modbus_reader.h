@@ -1,10 +1,10 @@
-// What passes on a Modbus line, by the names of its registers: each message with its fields, and
-// what is known of each register from the messages so far: its value as a client read it last, and
-// who wrote it last. Of what passed before nobody was looking it knows nothing.
+// Decodes what passes on a Modbus line, by the names of its registers: each message with its
+// fields, and for each register its value as a client last read it, and who last wrote it. What
+// passed before the first viewer is unknown.
 //
-// Requests and answers are joined as clients join them: by transaction on TCP, by turns on a serial
-// line. What a request writes counts when it has been answered without an exception; broadcasts,
-// which nobody answers, are shown and do not count.
+// Requests and answers are matched as clients match them: by transaction on TCP, by turns on a
+// serial line. What a request writes counts when it has been answered without an exception;
+// broadcasts, which no device answers, are shown and do not count.
 #pragma once
 
 #include <cstddef>
@@ -36,7 +36,7 @@ struct NamedUnit {
 
 class ModbusReader {
  public:
-  /// Connections whose messages are put together, and requests without answer, that are kept.
+  /// Limits of the connections whose messages are put together, and of requests without answer.
   static constexpr std::size_t kMostConnections = 64;
   static constexpr std::size_t kMostPending = 256;
 
@@ -44,13 +44,14 @@ class ModbusReader {
   ModbusReader(Line line, std::vector<NamedUnit> units);
 
   using Use = std::function<void(std::span<const std::uint8_t> message, const WireReading&)>;
-  /// The next bytes of a connection (of a serial line there is one), either way; `use` is given
-  /// each message that is whole with them.
+  /// Takes the next bytes of a connection (a serial line has one), in either direction; calls `use`
+  /// for each message that they complete.
   void take(SimTime at, std::uint64_t connection, bool of_client,
             std::span<const std::uint8_t> bytes, const Use& use);
 
-  /// {"registers": [{device, table, address, name, unit, signal, text, section, value, seen_ns, by,
-  /// written_ns}]}; without the last ones where there is none, or nothing is known.
+  /// Returns {"registers": [{device, table, address, name, unit, signal, text, section, value,
+  /// seen_ns, by, written_ns}]}; keys from `section` on are left out where there is none, or
+  /// nothing is known.
   [[nodiscard]] std::string registers() const;
 
  private:
@@ -64,21 +65,21 @@ class ModbusReader {
     const Unit* unit;
     const emulators::ValveRegister* entry;
     std::uint16_t address;
-    std::size_t section;  ///< Where it is of one.
+    std::size_t section;  ///< Section of its valve block, if it has one.
     std::string name;
     std::optional<double> value;
     SimTime seen{};
     std::string by;
     SimTime written{};
   };
-  /// A connection and which way.
+  /// A connection and a direction.
   using Stream = std::pair<std::uint64_t, bool>;
-  /// A connection and the transaction there.
+  /// A connection and a transaction on it.
   using Exchange = std::pair<std::uint64_t, std::uint16_t>;
 
   void add_rows(Unit& unit);
   [[nodiscard]] Unit* find(std::uint8_t number);
-  /// Bytes that are no message any more, or one; 0: more are needed.
+  /// Returns the number of bytes that are done with, as a message or as none; 0: more are needed.
   std::size_t take_tcp(SimTime at, std::uint64_t connection, bool of_client,
                        std::span<const std::uint8_t> bytes, const Use& use);
   std::size_t take_rtu(SimTime at, bool of_client, std::span<const std::uint8_t> bytes,
@@ -90,7 +91,7 @@ class ModbusReader {
                     std::size_t from, WireReading& reading);
   void read_answer(SimTime at, Exchange exchange, Unit* unit, std::span<const std::uint8_t> pdu,
                    std::size_t from, WireReading& reading);
-  /// Registers, or packed bits, that lie at `from` of the message. `seen`: enters their values.
+  /// Reads registers, or packed bits, at `from` of the message. `seen`: enters their values.
   struct Span {
     emulators::ModbusTable table;
     std::size_t address = 0;

@@ -1,9 +1,9 @@
-// The picture that a GigE Vision camera sent, from the packets of its stream, small enough to be
-// looked at: of every so many pixels one, grey or red, green and blue.
+// Decodes the picture that a GigE Vision camera sent, from the packets of its stream, and reduces
+// it for viewing: takes one of several pixels, grey or red, green and blue.
 //
 // A block of several parts is shown by its first image. Without one it is shown by its disparities
-// or distances, grey within fixed limits, so that two pictures can be compared. A block of which a
-// packet is missing makes no picture.
+// or distances, grey within fixed limits, so that two pictures can be compared. A block with a
+// missing packet makes no picture.
 #pragma once
 
 #include <chrono>
@@ -47,26 +47,27 @@ struct SmallPicture {
 class PictureReader {
  public:
   static constexpr std::uint32_t kMostWidth = 320;
-  /// A picture beyond that is left out.
+  /// Maximum size of a picture; a larger one is left out.
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20U;
-  /// From one picture to the next at least, simulated.
+  /// Minimum simulated time from one picture to the next.
   static constexpr Duration kEvery = std::chrono::milliseconds{200};
 
   /// `scale`: of a camera with a third coordinate. Without it, coordinates are left out.
   explicit PictureReader(std::optional<CoordinateScale> scale = std::nullopt)
       : scale_(std::move(scale)) {}
 
-  /// The next datagram of the stream. When a picture is whole it; valid until the next call.
+  /// Takes the next datagram of the stream. Returns the picture that it completes; valid until the
+  /// next call.
   [[nodiscard]] const SmallPicture* take(SimTime at, std::span<const std::uint8_t> datagram);
 
  private:
   void begin(SimTime at, const protocols::gige_vision::StreamPacket& packet);
   void add(const protocols::gige_vision::StreamPacket& packet);
-  /// Whether nothing is missing.
+  /// Returns whether nothing is missing.
   [[nodiscard]] bool end();
   void place(std::size_t from, std::span<const std::uint8_t> bytes);
   [[nodiscard]] bool make_small();
-  /// Whether its pixels can be shown.
+  /// Returns whether its pixels can be shown.
   [[nodiscard]] bool can_show(protocols::gige_vision::PixelFormatCode format) const;
 
   std::optional<CoordinateScale> scale_;

@@ -36,8 +36,8 @@ constexpr std::chrono::milliseconds kAccountPeriod{200};
 /// millisecond, so that it does not coincide with truth and wires each time.
 constexpr std::chrono::microseconds kLookPeriod{7300};
 constexpr std::chrono::milliseconds kIdleLookPeriod{50};
-/// Wall time between two datagrams of at least kBulkBytes that are sent with their fields: nobody
-/// reads more, and the fields of a lidar's 1800 datagrams a second would occupy a core.
+/// Wall time between two datagrams of at least kBulkBytes that are sent with their fields: no
+/// viewer can read more, and the fields of a lidar's 1800 datagrams a second would occupy a core.
 constexpr std::chrono::milliseconds kBulkPeriod{20};
 constexpr std::size_t kBulkBytes = 1000;
 
@@ -172,7 +172,7 @@ constexpr const char* kObjectSchema = R"({"type":"object"})";
 
 }  // namespace
 
-/// What the truth tells, until its instant has come.
+/// Reports of the truth, kept until their instant has come.
 class RunStream::Ahead {
  public:
   /// On the truth's thread, in order of time.
@@ -180,7 +180,7 @@ class RunStream::Ahead {
     const std::scoped_lock lock(mutex_);
     waiting_.emplace_back(at, std::move(what));
   }
-  /// On the thread of the viewers: all up to `now`, in that order.
+  /// On the thread of the viewers: delivers all up to `now`, in that order.
   void tell_until(SimTime now) {
     std::vector<std::function<void()>> due;
     {
@@ -216,7 +216,7 @@ class RunStream::Truth final : public TruthObserver {
           });
     });
   }
-  /// On the thread of the viewers: where time stands. Empty before there is any.
+  /// On the thread of the viewers: returns the newest record. Empty before there is any.
   [[nodiscard]] StreamChannel::First newest(TruthTrack wanted) {
     StreamChannel::First first{std::string()};
     if (newest_) {
@@ -298,7 +298,7 @@ class RunStream::Wire final : public WireTap {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// The channel of its camera's pictures; nothing: it is no camera's.
   [[nodiscard]] const std::optional<Viewers::ChannelId>& pictures() const { return pictures_; }
-  /// Whether its account is to be told anew.
+  /// Decodes a piece; returns whether the account must be published again.
   [[nodiscard]] bool decode(const Piece& piece);
   void tell_account(SimTime at);
 
@@ -387,7 +387,7 @@ class RunStream::Decoder {
   }
 
  private:
-  /// Pieces whose bytes stand one behind the other.
+  /// Pieces with their bytes in one buffer, one after the other.
   struct Queue {
     std::vector<Piece> pieces;
     std::vector<std::uint8_t> bytes;
@@ -434,7 +434,7 @@ void RunStream::Wire::hear(SimTime at, bool of_client, const WirePiece& piece) {
 }
 
 void RunStream::Wire::received(const WirePiece& piece) {
-  // Frames of clients are told again when the bus has carried them.
+  // Frames of clients are reported again when the bus has carried them.
   if (kind_ != WireKind::can) {
     hear(stream_.now_(), true, piece);
   }

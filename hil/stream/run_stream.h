@@ -1,38 +1,37 @@
-// What is told of a run while it goes on, beside its wires: ground truth, the scene as it stands,
-// and what a client would read from the bytes that went out. Channels of Viewers, each laid out
-// only while somebody has subscribed to it.
+// Publishes a run to viewers while it runs, beside its wires: ground truth, the state of the scene,
+// and what a client would read from the bytes that were sent. Channels of Viewers, each computed
+// only while it has a subscriber.
 //
 //   /truth /tf /antenna /joints /motion   as a recording has them (hil/record/truth_messages.h)
-//   /events                               likewise, foxglove.Log
+//   /events                               the same, foxglove.Log
 //   /scene                                foxglove.SceneUpdate (hil/stream/scene_model.h)
-//   /air                                  rigwire.Air: rain, snow, what all but dust dims, and dust
+//   /air                                  rigwire.Air: rain, snow, extinction of all but dust, dust
 //   /points/NAME                          foxglove_msgs/msg/PointCloud, CDR: each turn of a
 //                                         lidar's head by its packets (hil/record/lidar_clouds.h)
-//   /fix/NAME                             foxglove.LocationFix: what a receiver's bytes say, with
+//   /fix/NAME                             foxglove.LocationFix: the fix in a receiver's bytes, with
 //                                         `position_m` in the world
-//   /satellites/NAME                      rigwire.Satellites: likewise, where each stands
+//   /satellites/NAME                      rigwire.Satellites: those in its bytes, with directions
 //                                         (hil/stream/sky_reader.h)
 //   /camera/NAME                          foxglove_msgs/msg/RawImage, CDR: pictures that a client
 //                                         takes, from their packets, smaller
 //                                         (hil/stream/picture_reader.h); while no client takes
 //                                         any, previews (hil/world/camera_previews.h)
-//   /sensors                              rigwire.Sensors: where each sits; once
+//   /sensors                              rigwire.Sensors: their mounts; once
 //   /wire/NAME                            rigwire.WireMessage: what passes on a wire
 //                                         (hil/stream/wire_reading.h)
-//   /identifiers/NAME                     rigwire.Identifiers: of a CAN bus, how often each has
-//                                         come while viewers were subscribed
+//   /identifiers/NAME                     rigwire.Identifiers: of a CAN bus, a count of each while
+//                                         viewers were subscribed
 //                                         (hil/stream/identifier_counts.h)
-//   /registers/NAME                       rigwire.Registers: what is known of those of a Modbus
+//   /registers/NAME                       rigwire.Registers: the known values of those of a Modbus
 //                                         line (hil/stream/modbus_reader.h)
 //
-// Who subscribes to the truth is told first what it was last, so that a run whose time stands is
-// seen.
+// A new subscriber to the truth first receives its newest record, so that a paused run is shown.
 //
 // Threads. Viewers, and all that is made for them, are on the thread of the stream's io_context,
-// which may be nicer than the run. It looks from time to time at what the others have put down, and
-// none of them wakes it: of the truth, told ahead of the wires, what has had its instant; of wires
-// copies of their bytes, in a bounded queue. What finds no room there is not shown, and counted.
-// Previews, two a second, are posted to it by their own thread.
+// which may have a lower priority than the run. It polls the queues of the other threads, and none
+// of them wakes it: the truth, which comes ahead of the wires, is kept until its instant; of wires
+// it takes copies of their bytes, from a bounded queue. What finds no room there is not shown, and
+// counted. Previews, two a second, are posted to it by their own thread.
 #pragma once
 
 #include <atomic>
@@ -63,7 +62,7 @@
 
 namespace rigwire::hil {
 
-/// A sensor on the machine, as people see where it sits.
+/// A sensor on the machine, with its mount.
 struct ShownSensor {
   std::string name;
   std::string kind;  ///< "receiver", "imu", "camera", "lidar".
@@ -77,7 +76,7 @@ struct ShownSensor {
 
 struct StreamedRun {
   std::string name;
-  std::string session;  ///< Another one for each run.
+  std::string session;  ///< Differs for each run.
   std::int64_t start_unix_ns = 0;
   sim::LocalFrame frame;
   std::vector<RecordedLidar> lidars;
@@ -108,12 +107,12 @@ class RunStream {
     return static_cast<std::uint64_t>(run_.start_unix_ns + at.time_since_epoch().count());
   }
 
-  // While the rig is made.
+  // To be called while the rig is made.
 
   /// Returns the tap of a wire; it lives as long as the stream.
   [[nodiscard]] WireTap& add_wire(const std::string& name, WireKind kind);
 
-  // When it is, before it runs. What is returned must not outlive the stream.
+  // To be called when the rig is made, before it runs. The results must not outlive the stream.
 
   [[nodiscard]] std::unique_ptr<TruthObserver> truth_observer(
       const Calendar& calendar, std::span<const sim::TruthField> fields,
@@ -127,14 +126,14 @@ class RunStream {
       const std::vector<PreviewedCamera>& cameras, std::uint64_t seed, const sim::Scene& scene,
       sim::Scene::InstanceId terrain, std::shared_ptr<CameraSurroundings> surroundings);
 
-  /// Present simulated time; asked on any thread.
+  /// Sets the source of the present simulated time, which is called on any thread.
   void follow(std::function<SimTime()> now) { now_ = std::move(now); }
 
-  /// From any thread.
+  /// May be called from any thread.
   void tell(const RunEvent& event);
-  /// Also what has come last goes to the viewers; from any thread.
+  /// Sends the newest input to the viewers, too. May be called from any thread.
   void flush();
-  /// Not shown because its queue was full.
+  /// Returns the number of pieces that were not shown because the queue was full.
   [[nodiscard]] std::uint64_t not_shown() const;
 
  private:

@@ -1,9 +1,9 @@
 // A scene as viewers draw it: entities of foxglove.SceneUpdate whose models are binary glTF,
 // fetched by their names ("rigwire:mesh/3", "rigwire:terrain/0/2/5/7").
 //
-// Terrain is cut into tiles; a tile that was dug gets a new name, and viewers fetch it as it is
-// then. Of leaves that a scene models one by one, each part shows kMostLeaves triangles at most,
-// evenly taken: what is drawn is thinner than what rays meet.
+// Terrain is cut into tiles; a tile that was dug gets a new name, and viewers fetch its new state.
+// Of leaves that a scene models one by one, each part shows kMostLeaves triangles at most, evenly
+// chosen: what is drawn is thinner than what rays hit.
 //
 // Plain data: no thread of its own, no I/O.
 #pragma once
@@ -27,17 +27,18 @@ class SceneModel {
   static constexpr std::size_t kMostLeaves = 400;
   static constexpr std::size_t kTileCells = 64;
 
-  /// `start_unix_ns`: of the stamps.
+  /// `start_unix_ns`: start of the run, for time stamps.
   SceneModel(const sim::SceneContents& contents, std::int64_t start_unix_ns);
 
-  /// foxglove.SceneUpdate with everything as it is now: copied together, laid out it was before.
+  /// Returns a foxglove.SceneUpdate with everything as it is now, joined from texts that were made
+  /// before.
   [[nodiscard]] std::string whole() const;
-  /// Takes over what has changed; a SceneUpdate of that alone.
+  /// Applies a change; returns a SceneUpdate of that alone.
   [[nodiscard]] std::string apply(const ViewChange& change);
-  /// A glTF file; null where there is none of that name.
+  /// Returns a glTF file; null when there is none of that name.
   [[nodiscard]] std::shared_ptr<const std::string> asset(std::string_view uri) const;
 
-  /// JSON Schema of its messages, as far as they have members.
+  /// Returns the JSON Schema of its messages, as far as they have members.
   [[nodiscard]] static std::string schema();
 
  private:

@@ -132,7 +132,7 @@ std::vector<SkySatellite> SkyReader::sky() const {
       }
       const bool augments = &talker == &kSystems.front() && one.number > kLastGps;
       const SystemRow& system = augments ? kSystems[1] : talker;
-      // A satellite stands in the group of each of its signals: the strongest counts.
+      // A satellite is in the group of each of its signals: the strongest counts.
       SkySatellite& satellite = satellites[{&system, one.number}];
       satellite.name = std::string(system.name) + " " + std::to_string(one.number);
       satellite.azimuth_deg = *one.azimuth_deg;

@@ -1,5 +1,5 @@
-// The satellites that a receiver tells of, as a client reads them from its bytes: u-blox's NAV-SAT,
-// else NMEA's GSV (where they stand) and GSA (which are used).
+// The satellites that a receiver reports, as a client reads them from its bytes: u-blox's NAV-SAT,
+// else NMEA's GSV (directions) and GSA (which are used).
 #pragma once
 
 #include <cstdint>
@@ -21,15 +21,15 @@ struct SkySatellite {
   std::string name;  ///< "GPS 12": the system, and the message's own number.
   int azimuth_deg = 0;
   int elevation_deg = 0;
-  int cn0_dbhz = 0;  ///< 0: nothing is received of it.
+  int cn0_dbhz = 0;  ///< 0: no signal is received.
   bool used = false;
 };
 
 class SkyReader {
  public:
   using Use = std::function<void(std::string_view message, std::span<const SkySatellite> sky)>;
-  /// The next piece of the stream. The whole sky is told with each NAV-SAT, and with the last GSV
-  /// of each group of GSV. Satellites of which no direction is known are left out.
+  /// Takes the next piece of the stream. Returns the whole sky with each NAV-SAT, and with the last
+  /// GSV of each group of GSV. Satellites without a known direction are left out.
   void take(std::span<const std::uint8_t> bytes, const Use& use);
 
  private:
@@ -45,14 +45,14 @@ class SkyReader {
   struct Group {
     std::vector<protocols::nmea::GsvSatellite> incomplete;  ///< Pages received so far.
     std::vector<protocols::nmea::GsvSatellite> complete;
-    int round = 0;  ///< In which it was completed.
+    int round = 0;  ///< Round in which it was completed.
   };
 
   protocols::gnss_stream::Splitter messages_;
-  /// By talker, and signal: 0 where the sentences do not name it.
+  /// By talker and signal: 0 when the sentences do not name it.
   std::map<std::pair<std::string, int>, Group> groups_;
   int round_ = 0;  ///< The receiver sends each group once a round.
-  /// System, 0 where the sentences do not tell it, and number.
+  /// System, 0 when the sentences do not name it, and number.
   std::set<std::pair<int, int>> used_;
   bool viewed_since_used_ = true;  ///< The next GSA begins an epoch.
 };

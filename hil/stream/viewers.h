@@ -1,13 +1,13 @@
-// Programs that look on while a run goes on, over the Foxglove WebSocket protocol: the run's own
-// page (hil/dashboard/), Foxglove, Lichtblick. Channels of messages, services, parameters, assets
-// and the transport bar; what they mean is whose who adds them.
+// Viewers of a run over the Foxglove WebSocket protocol: the run's own page (hil/dashboard/),
+// Foxglove, Lichtblick. Channels of messages, services, parameters, assets and the transport bar;
+// the code that adds them gives them their meaning.
 //
-// Slow viewers. Of each channel as many messages wait for a viewer as the channel is deep, the
-// oldest is dropped, and the viewer is told how many; all that waits for one viewer is at most
-// kMostBytes. Answers are not dropped: a viewer that asks more than it reads loses its connection.
-// Nothing waits for a viewer.
+// Slow viewers. A channel's depth limits how many of its messages wait for one viewer; then the
+// oldest is dropped, and the number is reported to the viewer. All that waits for one viewer is at
+// most kMostBytes. Answers are not dropped: a viewer that asks more than it reads loses its
+// connection. The run never waits for a viewer.
 //
-// On one thread, but for wanted(); who is asked for something may answer later.
+// Runs on one thread, but for wanted(); callbacks may answer later.
 //
 // Source: foxglove/ws-protocol, docs/spec.md; protocols/foxglove/frames.h has its binary frames.
 #pragma once
@@ -42,7 +42,7 @@ struct StreamChannel {
   std::string schema_name;
   std::string schema;
   std::size_t depth = 32;
-  /// What who subscribes is told first; empty: nothing.
+  /// Returns what a new subscriber receives first; empty: nothing.
   std::function<First()> first{};
   std::string schema_encoding = "jsonschema";
 };
@@ -56,16 +56,16 @@ struct StreamService {
   std::function<void(std::string_view request, Answer answer)> call;
 };
 
-/// Something that viewers may read and set.
+/// Parameters that viewers may read and set.
 struct StreamParameter {
   std::string name;
   std::string json;  ///< Its value; empty: it has none at present.
 };
 struct StreamParameters {
   using Told = std::function<void(const std::vector<StreamParameter>& all)>;
-  /// `told` is called once, now or later, with all there are.
+  /// `told` is called once, now or later, with all parameters.
   std::function<void(Told told)> read;
-  /// `done` is called once, now or later, with a sentence for each thing that was refused.
+  /// `done` is called once, now or later, with a sentence for each parameter that was refused.
   using Done = std::function<void(const std::vector<std::string>& refused)>;
   std::function<void(const std::vector<StreamParameter>& wanted, Done done)> set;
 };
@@ -73,18 +73,18 @@ struct StreamParameters {
 class Viewers {
  public:
   using ChannelId = std::uint32_t;
-  /// Frames that wait for one viewer, at most.
+  /// Maximum size of the frames that wait for one viewer, bytes.
   static constexpr std::size_t kMostBytes = 32 * 1024 * 1024;
-  /// Answers that wait for one viewer.
+  /// Maximum number of answers that wait for one viewer.
   static constexpr std::size_t kMostAnswers = 4096;
 
-  /// `session`: of this run, so that viewers know it again.
+  /// `session` identifies this run, so that viewers recognize it.
   Viewers(std::string name, std::string session);
   ~Viewers();
   Viewers(const Viewers&) = delete;
   Viewers& operator=(const Viewers&) = delete;
 
-  // Before the first viewer.
+  // To be called before the first viewer.
 
   ChannelId add(StreamChannel channel);
   void add(StreamService service);
@@ -100,7 +100,7 @@ class Viewers {
   /// Sets the range of the transport bar.
   void set_range(std::uint64_t begin_ns, std::uint64_t end_ns) { range_ = {begin_ns, end_ns}; }
 
-  // Then.
+  // To be called from then on.
 
   /// Answers a request for a WebSocket.
   [[nodiscard]] drivers::WebSocketAnswer admit(const drivers::HttpRequest& request);
@@ -115,12 +115,12 @@ class Viewers {
     });
   }
   void put(ChannelId channel, std::uint64_t time_ns, std::string_view payload);
-  /// The present time, and what was dropped meanwhile.
+  /// Publishes the present time, and what was dropped meanwhile.
   void tick(std::uint64_t time_ns);
-  /// Whoever has subscribed to parameters is told those that have changed since it was.
+  /// Sends the parameters that have changed since the last call to their subscribers.
   void tell_parameters();
-  /// State of the transport bar; `request` of the one that asked, else empty. `did_seek`: time is
-  /// elsewhere than it would have been without it.
+  /// Publishes the state of the transport bar; `request` is that of the viewer that asked, else
+  /// empty. `did_seek`: time was moved by it.
   void tell_playback(protocols::foxglove::PlaybackStatus status, std::uint64_t time_ns, float speed,
                      bool did_seek, std::string_view request);
 

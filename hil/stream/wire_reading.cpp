@@ -174,7 +174,7 @@ struct BitRow {
   std::string_view unit{};
 };
 
-/// Appends the fields that `rows` lay out from the bit `from` on, as far as `bytes` has them.
+/// Appends the fields of `rows` from the bit `from` on, as far as `bytes` has them.
 void append_rows(WireReading& reading, Bytes bytes, std::size_t from,
                  std::span<const BitRow> rows) {
   protocols::BitReader reader(bytes.subspan(from / 8));
@@ -331,7 +331,7 @@ constexpr std::array<BitRow, 4> kAcknowledgeRows{{{"status", 16, kHexadecimal},
 constexpr std::array<BitRow, 2> kWriteRows{
     {{"address", 32, kHexadecimal}, {"value", 32, kHexadecimal}}};
 
-/// Behind what the rows have told.
+/// Appends the rest after the fields of the rows.
 void append_rest(WireReading& reading, Bytes bytes, std::string_view name, std::size_t from) {
   if (from < bytes.size()) {
     reading.fields.push_back({std::string(name), "", from, bytes.size() - from});
@@ -405,8 +405,8 @@ WireReading read_datagram(std::span<const std::uint8_t> bytes) {
   return reading;
 }
 
-/// Lays out the header of a GVSP packet and, by its format, leader, payload or trailer; the fields
-/// are those of protocols/gige_vision.
+/// Reads the header of a GVSP packet and, by its format, leader, payload or trailer; the fields are
+/// those of protocols/gige_vision.
 WireReading read_stream_packet(std::span<const std::uint8_t> bytes) {
   WireReading reading;
   const auto packet = gige::decode_stream_packet(bytes);

@@ -1,5 +1,5 @@
-// What a message on a wire says, for people who look on: words for a line, and its fields with the
-// bytes that they lie in, as far as the house's tables name them.
+// Decodes a message on a wire for viewers: words for a line, and its fields with the bytes that
+// they occupy, as far as the project's tables name them.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ inline constexpr std::size_t kShownBytes = 128;
 struct WireField {
   std::string name;
   std::string value;      ///< Value with its unit; may be empty.
-  std::size_t from = 0;   ///< Byte of the message.
+  std::size_t from = 0;   ///< Offset of its first byte in the message.
   std::size_t bytes = 0;  ///< Bytes that it occupies or shares with others.
 };
 

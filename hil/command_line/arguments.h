@@ -1,5 +1,5 @@
-// What can be written behind `rigwire`: every verb with its options and their help, and what they
-// are read into. What it means is looked at where the verb is carried out (command_line.cpp).
+// The arguments of `rigwire`: every verb with its options and their help, and the structures that
+// they are read into. Their meaning is checked where the verb is executed (command_line.cpp).
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ class App;
 
 namespace rigwire::hil {
 
-/// Everything that options write into, as it was written.
+/// The values of all options, as they were written.
 struct Parsed {
   RigArguments rig;
   std::string clock = "real";

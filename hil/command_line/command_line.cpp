@@ -81,8 +81,8 @@ std::optional<std::string> find_typo(const CLI::App& app,
   return std::nullopt;
 }
 
-/// An option or a word without anything in it, such as an unset variable of a script leaves behind:
-/// nobody means it. Its name; nothing when there is none.
+/// Returns the name of an option or argument with an empty value, such as an unset variable of a
+/// script leaves behind; nullopt when there is none.
 std::optional<std::string> find_empty(const CLI::App& used,
                                       const std::vector<std::string>& arguments) {
   for (const CLI::Option* option : used.get_options()) {

@@ -57,7 +57,7 @@ std::string text_of(const ConfigFile& file) {
 
 std::string find_rig(const std::string& rig) {
   std::error_code error;
-  // A link that leads nowhere is there, and is named by whoever opens it.
+  // A dangling link exists here; opening it reports the error.
   if (fs::exists(fs::symlink_status(rig, error))) {
     return rig;
   }

@@ -26,7 +26,7 @@ namespace rigwire::hil {
 
 namespace {
 
-/// A device type with its defaults, as it is told.
+/// A device type with its defaults, as it is described.
 struct DescribedType {
   fields::Named named;
   DeviceDescription description;
@@ -116,7 +116,7 @@ nlohmann::ordered_json json_of(const DescribedType& type) {
   return json;
 }
 
-/// The type of a device that one of the rigs at hand calls by that name; empty when none does.
+/// Returns the type of a device of that name in the installed rigs; empty when none has it.
 std::string type_in_rigs(const std::string& device) {
   for (const ConfigFile& rig : config_files("rigs")) {
     try {

@@ -43,7 +43,7 @@ std::string option_text(const CLI::Option& option) {
                      value.empty() ? "" : " (" + one_line(value) + " without)");
 }
 
-/// Lines as they stand, each paragraph of them.
+/// Writes the paragraphs of a text with their lines unchanged.
 std::string example_text(const std::string& footer) {
   const std::size_t first = footer.find_first_not_of('\n');
   return first == std::string::npos

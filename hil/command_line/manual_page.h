@@ -9,8 +9,8 @@ class App;
 
 namespace rigwire::hil {
 
-/// rigwire(1) as man(7) source: synopsis, verbs with their words and options, examples, exit codes.
-/// `version` stands at its foot. No date: the same program prints the same page.
+/// Returns rigwire(1) as man(7) source: synopsis, verbs with their arguments and options, examples,
+/// exit codes. `version` is in its footer. No date: the same program prints the same page.
 [[nodiscard]] std::string manual_page(const CLI::App& app, const std::string& version);
 
 }  // namespace rigwire::hil

@@ -1,10 +1,9 @@
 // Shows the status of a running rig from a thread of its own, so that a slow terminal never holds
-// up a wire, and at its end what it came to. It asks the wire thread for a snapshot and draws it
-// itself.
+// up a wire, and a summary at its end. It asks the wire thread for a snapshot and draws it itself.
 //
 // The reader of the output may stall (a pager, a stopped terminal): a picture that is not whole
-// within its period is abandoned, and the next one begins where a new line does. A reader that
-// closes ends the run; another failure is told, and the pictures end.
+// within its period is abandoned, and the next one begins on a new line. A reader that closes ends
+// the run; another failure is reported, and the pictures end.
 //
 // Where standard error is the terminal of a table that is refreshed in place, lines of the log
 // would shift it: they are shown here, above the table, and scroll off with what was there before.
@@ -33,8 +32,8 @@ enum class StatusStyle {
   plain,  ///< One block of lines per period, for logs; not clipped.
 };
 
-/// Where the next picture of a table that is refreshed in place goes, when any of those before may
-/// have been cut off at any byte. Lines end in CR LF.
+/// Places the next picture of a table that is refreshed in place, when any of those before may have
+/// been cut off at any byte. Lines end in CR LF.
 class LivePicture {
  public:
   /// Returns the text that replaces the previous picture by `lines`.
@@ -63,10 +62,10 @@ class StatusReporter final : public Onlooker {
   /// Rates are means over this much simulated time: a receiver of 1 Hz sends in bursts.
   static constexpr Duration kRateWindow = std::chrono::seconds{5};
   static constexpr std::size_t kMaxHistory = 600;  ///< While the run is paused or slow.
-  /// How long the summary waits for a reader that does not read.
+  /// Time limit of the summary for a reader that stalls.
   static constexpr std::chrono::seconds kSummaryPatience{2};
 
-  /// Lines of the log that a terminal that stalls may leave waiting.
+  /// Maximum number of log lines that wait for a terminal that stalls.
   static constexpr std::size_t kMostLines = 1000;
 
   /// Begins with `head`. Writes to `descriptor`.
@@ -89,10 +88,10 @@ class StatusReporter final : public Onlooker {
   void request();
   void stop();
   void show(const RigStatus& status);
-  /// Lines of the log, with the table below them again.
+  /// Returns lines of the log, with the table below them again.
   void tell(const std::vector<std::string>& lines);
   [[nodiscard]] std::string picture(const RigStatus& status);
-  /// Whether there is somebody to write for.
+  /// Returns whether there is a reader to write for.
   bool put(const std::string& text, drivers::Output::Deadline until,
            const drivers::Interrupt* interrupt);
 
@@ -113,8 +112,8 @@ class StatusReporter final : public Onlooker {
   std::thread thread_;
 };
 
-/// Tells what is run and by which wires, then shows the table as long as the run lasts, and at last
-/// the summary. `colour`: not with NO_COLOR, nor when the output is no terminal.
+/// Shows what is run and on which wires, then the table while the run lasts, and at last the
+/// summary. `colour`: not with NO_COLOR, nor when the output is no terminal.
 [[nodiscard]] MakeOnlooker status_onlooker(StatusStyle style, bool colour, const ClockMode& clock);
 
 }  // namespace rigwire::hil

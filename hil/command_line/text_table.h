@@ -1,5 +1,5 @@
-// Tables of text that fit where they are shown: columns as wide as their contents, and never wider
-// than the window.
+// Tables of text that fit their window: columns as wide as their contents, and never wider than the
+// window.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,12 @@
 
 namespace rigwire::hil {
 
-/// Columns of a terminal that a printable text takes: none for combining marks, two for wide
-/// characters (Unicode 15.1: general category Mn and Me, East Asian Width W and F, by blocks).
+/// Returns the columns of a terminal that a printable text takes: none for combining marks, two for
+/// wide characters (Unicode 15.1: general category Mn and Me, East Asian Width W and F, by blocks).
 [[nodiscard]] std::size_t display_width(std::string_view text);
 
-/// The beginning of a printable text that takes at most so many columns; its last character is an
-/// ellipsis where something is missing.
+/// Returns the beginning of a printable text that takes at most so many columns; its last character
+/// is an ellipsis where something is missing.
 [[nodiscard]] std::string clipped(const std::string& text, std::size_t columns);
 
 struct Cell {
@@ -24,8 +24,8 @@ struct Cell {
 
 struct Column {
   std::string title;
-  bool right = false;      ///< Numbers stand to the right.
-  unsigned sacrifice = 0;  ///< In a narrow window the greatest is left out first; 0: never.
+  bool right = false;      ///< Aligns the column right, as for numbers.
+  unsigned sacrifice = 0;  ///< A narrow window leaves out the highest first; 0: never.
   std::size_t least = 0;   ///< May be cut down to so many columns, and further when all else is
                            ///< gone; 0: not cut.
 };

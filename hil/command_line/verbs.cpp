@@ -314,13 +314,13 @@ int follow_events(const ControlEndpoint& endpoint, const std::string& token, Jso
       answer = ask_control(endpoint, token, request.dump());
     } catch (const drivers::EndpointError&) {
       if (lost) {
-        return code(ExitCode::done);  // nobody is there any more: the run is over
+        return code(ExitCode::done);  // the run's server is gone: the run is over
       }
       if (!known) {
         throw;
       }
       lost = true;
-      known = false;  // a connection can be lost while the run goes on: once more, at once
+      known = false;  // a connection can be lost while the run continues: try once more, at once
       continue;
     }
     if (answer.status == 410 && (known || lost)) {

@@ -36,7 +36,7 @@ struct Terminal {
                              Terminal terminal);
 [[nodiscard]] int list_verb(const std::string& kind, bool json, Terminal terminal);
 /// The keys that `--set` takes of a rig, of one level, whose paths begin with `begin`: a key with
-/// "=", its value and what it means; a section with ".".
+/// "=", its value and its meaning; a section with ".".
 [[nodiscard]] int list_keys_verb(const std::string& rig, const std::string& begin, bool json,
                                  Terminal terminal);
 [[nodiscard]] int describe_verb(const std::string& device, bool json, Terminal terminal);
@@ -57,7 +57,7 @@ struct Terminal {
 /// Becomes the program `name` beside this one; returns only when that is not possible.
 [[nodiscard]] int become_program(const std::string& name, const std::vector<std::string>& arguments,
                                  Terminal terminal);
-/// What `rigwire ctl` was asked to ask.
+/// What `rigwire ctl` was asked to do.
 struct CtlRequest {
   std::string verb;
   std::vector<std::string> keys;  ///< KEY=VALUE; the verb `record` takes its folder without a key.
@@ -70,21 +70,21 @@ struct CtlRequest {
 /// go to standard output at once.
 [[nodiscard]] int ctl_verb(const ControlEndpoint& endpoint, const std::string& token,
                            const CtlRequest& asked, Terminal terminal);
-/// A topic of a recording as CSV.
+/// Prints a topic of a recording as CSV.
 [[nodiscard]] int record_export_verb(const std::string& folder, const std::string& topic,
                                      const std::string& file, Terminal terminal);
-/// What a recording holds.
+/// Prints the contents of a recording.
 [[nodiscard]] int record_info_verb(const std::string& folder, bool json, Terminal terminal);
-/// A piece of it, [from, to).
+/// Cuts a piece, [from, to), out of a recording.
 [[nodiscard]] int record_cut_verb(const std::string& folder, SimTime from, SimTime to,
                                   const std::string& out, Terminal terminal);
-/// Runs a recording once more and compares: 0 equal, 5 different, 3 where it cannot be run.
+/// Runs a recording again and compares: 0 equal, 5 different, 3 where it cannot be run.
 [[nodiscard]] int verify_verb(const std::string& folder, bool json, LogLevel log_level,
                               Terminal terminal);
 /// Plays a recording on the wires of its rig.
 [[nodiscard]] int replay_verb(const std::string& folder, const ReplayedPiece& piece,
                               RunOptions options, Terminal terminal);
-/// Shows it on a page, from that instant on.
+/// Shows a recording on a page, from that instant on.
 [[nodiscard]] int show_verb(const std::string& folder, RunOptions options, SimTime from);
 /// What `rigwire conform` was asked to do.
 struct ConformRequest {
@@ -96,14 +96,14 @@ struct ConformRequest {
   std::vector<std::string> wanted;
   bool writes = false;
   bool robustness = false;
-  /// The endpoint once more, as it stands there: leave to move the machine behind it,
-  /// or to lose the device.
+  /// The endpoint again, in the same words: permits cases that move the machine behind it, or lose
+  /// the device.
   std::optional<std::string> moves;
   bool allow_remote = false;
   bool list = false;                    ///< Print the selected cases without asking the device.
   bool make_profile = false;            ///< Print what the device answers to as a profile.
-  unsigned addresses = 1000;            ///< With make_profile: those below are looked for.
-  std::optional<std::uint8_t> address;  ///< With make_profile of j1939: the node that is meant.
+  unsigned addresses = 1000;            ///< With make_profile: lower addresses are searched.
+  std::optional<std::uint8_t> address;  ///< With make_profile of j1939: the node to examine.
   /// How long to listen to a device that sends by itself.
   std::chrono::nanoseconds listen = std::chrono::seconds{10};
   /// Time limit of the whole suite; empty: the suite's own.
@@ -130,7 +130,7 @@ struct CampaignRequest {
 /// One row per device: name, type, wire, what it sends by itself. For --dry-run.
 [[nodiscard]] std::string plan_text(const RigConfiguration& configuration);
 
-/// Complains that `word` is none of the `known` ones: "unknown kind". The exit code.
+/// Reports that `word` is none of the `known` ones: "unknown kind". Returns the exit code.
 [[nodiscard]] int refuse_word(const std::string& what, const std::string& word,
                               const std::vector<std::string>& known, Terminal terminal);
 

@@ -64,7 +64,7 @@ std::string Value::description() const {
 
 namespace {
 
-/// Hears where documents begin.
+/// Records where documents begin.
 class DocumentMarks final : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark& mark) override { mark_ = mark; }
@@ -227,8 +227,8 @@ struct Extent {
   bool too_big = false;
 };
 
-/// Whoever includes a file beats it, and is at its end later: what the file itself wrote gets the
-/// next layer.
+/// Sets the layer of values that have none. An including file overrides the included one, and is
+/// finished later: the values of the file itself get the next layer.
 void settle_layer(Value& tree, int layer) {
   if (tree.where.layer == 0) {
     tree.where.layer = layer;
@@ -369,7 +369,7 @@ Value Parser::convert_map(const YAML::Node& node, const std::string& path, int d
   Value map;
   map.kind = Value::Kind::map;
   map.folder = folder;
-  std::unordered_map<std::string, int> lines;  // in which a key stands
+  std::unordered_map<std::string, int> lines;  // Line of each key.
   for (const auto& pair : node) {
     if (extent.too_big) {
       break;

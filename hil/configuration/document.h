@@ -57,9 +57,9 @@ inline constexpr std::size_t kMaximumRequestNodes = 1024;       ///< Values, lis
 inline constexpr std::size_t kMaximumRequestKeys = 256;         ///< In all of its maps together.
 inline constexpr int kMaximumRequestDepth = 16;
 
-/// Reads a file and everything it includes, in a time that grows with their size. What is not UTF-8
-/// or has control characters, syntax errors, duplicate keys, keys that are no scalars, missing,
-/// circular or too many includes go to `problems`; what could be read is returned.
+/// Reads a file and everything it includes, in a time that grows with their size. Text that is not
+/// UTF-8 or has control characters, syntax errors, duplicate keys, keys that are no scalars,
+/// missing, circular or too many includes go to `problems`; what could be read is returned.
 [[nodiscard]] Value load_document(const std::string& file, Problems& problems);
 
 /// Parses `text` as load_document() does a file; `name` is its name in messages, `folder` the
@@ -73,7 +73,7 @@ inline constexpr int kMaximumRequestDepth = 16;
 [[nodiscard]] Value parse_request(const std::string& text, const std::string& name,
                                   Problems& problems);
 
-/// Lays `over` on `base`: maps merge, everything else is replaced.
+/// Merges `over` into `base`: maps merge, everything else is replaced.
 void overlay(Value& base, Value over);
 
 /// Applies one `--set key.path=value`; the value is YAML ("5", "5 Hz", "[1, 2, 3]"). List elements
@@ -82,7 +82,7 @@ void overlay(Value& base, Value over);
 /// by the reader, as in a file.
 void apply_set(Value& document, const std::string& argument, Problems& problems);
 
-/// A file that is not there: what is, with the nearest name. Empty when nothing is near.
+/// Returns what is wrong with a missing file, with the nearest name. Empty when nothing is near.
 [[nodiscard]] std::string nearest_file(const std::string& path);
 
 }  // namespace rigwire::hil

@@ -1,8 +1,8 @@
-// Where faults of a running rig begin and end, whatever acts them out: one port for each list of
+// Begins and ends faults of a running rig, whatever simulates them: one port for each list of
 // faults that a device, bus or line has.
 //
-// A port keeps a book of its own beside that of whoever acts the faults out: in the run's time, and
-// numbered alike, since both are filled in the same order.
+// A port keeps its own list beside that of the code that simulates the faults: in the run's time,
+// and with the same numbers, since both are filled in the same order.
 #pragma once
 
 #include <fmt/format.h>
@@ -28,38 +28,38 @@ namespace rigwire::hil {
 class FaultPort {
  public:
   using Id = std::uint32_t;
-  /// Gives a fault its keys; one without `at` begins at `soonest`. False: they are none, and
-  /// whoever gave them has been told.
+  /// Gives a fault its keys; one without `at` begins at `soonest`. False: the keys are wrong, and
+  /// that has been reported.
   using Fill = std::function<bool(const fields::Part& fault, SimTime soonest)>;
   using StreamOf = std::function<std::uint64_t(const std::string& name, Duration at)>;
 
   virtual ~FaultPort() = default;
 
-  /// What its faults can be.
+  /// Returns the kinds that its faults can have.
   [[nodiscard]] virtual std::vector<fields::Named> kinds() const = 0;
-  /// One more fault, filled by `fill`. nullopt where that says so. Throws std::invalid_argument for
-  /// a fault that cannot be acted out here, or whose beginning is over.
+  /// Begins a fault, filled by `fill`; nullopt when `fill` returns false. Throws
+  /// std::invalid_argument for a fault that cannot be simulated here, or whose beginning is over.
   /// `stream_of` is the seed of what is drawn for it (fault_stream()).
   virtual std::optional<Id> begin(SimTime now, const Fill& fill, const StreamOf& stream_of) = 0;
-  /// What one waited for has come true: it begins at `at`, or as soon as it can, under the number
-  /// that is returned. nullopt: it would be over by then.
+  /// Begins a fault whose condition has become true: at `at`, or as soon as it can, under the
+  /// number that is returned. nullopt: it would be over by then.
   virtual std::optional<Id> meet(Id id, SimTime now, SimTime at) = 0;
-  /// From `now` on, or as soon as it can, it holds no longer, begun or not. False: there is none of
-  /// that number, or it is over.
+  /// Ends a fault, begun or not, at `now`, or as soon as it can. False: there is none of that
+  /// number, or it is over.
   virtual bool end(Id id, SimTime now) = 0;
-  /// In the order of their numbers, also what is over, as far as it is remembered. `where` is left
-  /// empty.
+  /// Returns the faults in the order of their numbers, ended ones included, as far as they are
+  /// kept. `where` is empty.
   [[nodiscard]] virtual std::vector<std::pair<Id, FaultWindow>> list() const = 0;
-  /// What those wait for that wait.
+  /// Returns the conditions of the waiting faults.
   struct Waiting {
     Id id;
     FaultCondition condition;
-    SimTime from{};  ///< Not before.
+    SimTime from{};  ///< Earliest begin.
   };
   [[nodiscard]] virtual std::vector<Waiting> waiting() const = 0;
 };
 
-/// How the faults of one list are acted out. What is empty is done as said.
+/// How the faults of one list are simulated. Empty members have the stated default.
 template <class Fault>
 struct FaultActs {
   using Id = typename FaultBook<Fault>::Id;
@@ -67,18 +67,19 @@ struct FaultActs {
   /// Throws std::invalid_argument for a fault that it refuses.
   std::function<void(const Fault&)> begin;
   std::function<bool(Id, SimTime)> end;
-  /// The first instant from which a fault can act that is begun at that instant: at once.
+  /// Returns the first instant at which a fault can act that is begun at that instant. Default: at
+  /// once.
   std::function<SimTime(SimTime)> soonest{};
-  /// What it is called: its kind.
+  /// Returns a fault's name. Default: its kind.
   std::function<std::string(const Fault&)> name{};
-  /// What it can be: every kind of `Fault`.
+  /// Kinds that it can have. Default: every kind of `Fault`.
   std::vector<fields::Named> kinds = fault_kinds<Fault>();
 };
 
 template <class Fault>
 class FaultPortOf final : public FaultPort {
  public:
-  /// `configured`: those that are acted out from the start, in the order of their numbers.
+  /// `configured`: those that are simulated from the start, in the order of their numbers.
   FaultPortOf(const std::vector<Fault>& configured, FaultActs<Fault> acts)
       : acts_(std::move(acts)), book_(configured) {}
 
@@ -105,7 +106,7 @@ class FaultPortOf final : public FaultPort {
   std::optional<Id> meet(Id id, SimTime now, SimTime at) override {
     Fault fault = book_.find(id);
     const SimTime begin = std::max(at, acts_.soonest ? acts_.soonest(at) : now);
-    // Another one in its place: what waited never began.
+    // Replaces the waiting fault, which never began, by one that begins.
     end(id, now);
     fault.when.when = {};
     fault.when.at = begin - kStart;
@@ -149,7 +150,7 @@ class FaultPortOf final : public FaultPort {
   FaultBook<Fault> book_;
 };
 
-/// Acted out by something with begin(fault) and end(id, now), which must outlive the port.
+/// Lets `actor`, which must outlive the port, simulate the faults by begin(fault) and end(id, now).
 template <class Fault, class Actor>
 [[nodiscard]] FaultActs<Fault> acted_by(Actor& actor) {
   return {[&actor](const Fault& fault) { actor.begin(fault); },

@@ -1,5 +1,5 @@
-// The visitor that turns plain structs into a tree of described fields, and what is made of it:
-// the effective configuration as YAML, its hash, and the reference of keys.
+// The visitor that turns plain structs into a tree of described fields, and its outputs: the
+// effective configuration as YAML, its hash, and the reference of keys.
 #pragma once
 
 #include <cstdint>
@@ -53,7 +53,8 @@ template <class Struct>
 /// ("default", "rigs/pit.yaml:12", "--set ...").
 [[nodiscard]] std::string print_yaml(const OutlineNode& tree, const Origins& origins);
 
-/// Stands in the hash for a file and all that it brings in (hil/files/file_content.h).
+/// Returns the text that the hash has for a file and all that it brings in
+/// (hil/files/file_content.h).
 using FileContent = std::function<std::string(const std::string& path, fields::FileKind kind)>;
 
 /// 64 bits in 16 hexadecimal digits: FNV-1a over the sorted lines "path=value". Independent of the

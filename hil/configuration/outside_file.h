@@ -1,11 +1,11 @@
 // The one place that opens files of others: those that a rig, a campaign, a recording or a command
 // names.
 //
-// Only regular files are opened, whatever links lead to them. A directory, a FIFO, a socket or a
-// device is refused before it is opened, so that opening one never waits; the opened file is looked
-// at again, so that one cannot take its place. Each kind of file has a limit of size: a larger file
-// is refused from the size that the file system reports, before a byte is read, and reading stops
-// at the limit where that size is wrong (files of /proc, a file that grows).
+// Opens only regular files, whatever links lead to them. A directory, a FIFO, a socket or a device
+// is refused before it is opened, so that opening one never waits; the opened file is checked
+// again, so that one cannot take its place. Each kind of file has a limit of size: a larger file is
+// refused from the size that the file system reports, before a byte is read, and reading stops at
+// the limit where that size is wrong (files of /proc, a file that grows).
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@
 
 namespace rigwire::hil {
 
-/// The largest size, in bytes, of one kind of file.
+/// The maximum size, in bytes, of one kind of file.
 struct FileLimit {
   std::string_view what;  ///< Name of the kind in docs/configuration.md.
   std::uint64_t bytes = 0;
@@ -57,7 +57,7 @@ inline constexpr FileLimit kReplayFile{"replayed capture, candump log, bytes wit
                                        64 * kGibibyte};
 inline constexpr FileLimit kRecordingFile{"packets or truth of a recording", 1024 * kGibibyte};
 
-/// All of them, as they stand in docs/configuration.md.
+/// All kinds, as in docs/configuration.md.
 inline constexpr std::array<FileLimit, 19> kFileLimits{
     kSettingsFile,  kCalibrationFile, kConfigurationFile, kValveMapFile, kBindingFile,
     kMaterialFile,  kDbcFile,         kSatellitesFile,    kTableFile,    kResultFile,
@@ -67,7 +67,7 @@ inline constexpr std::array<FileLimit, 19> kFileLimits{
 /// Longest line of a text file that is read line by line, bytes.
 inline constexpr std::uint64_t kMaxLineBytes = 4 * kMebibyte;
 
-/// The largest limit of what a key of this kind may name.
+/// Returns the maximum size of a file that a key of this kind may name.
 [[nodiscard]] FileLimit limit_of(fields::FileKind kind);
 
 /// "16 MiB"; in bytes where it is no whole number of them.

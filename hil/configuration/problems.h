@@ -1,4 +1,4 @@
-// What is wrong with a configuration: every finding of one pass, each with its place.
+// The problems of a configuration: every finding of one pass, each with its place.
 //
 // Line of a finding, stable and greppable:
 //
@@ -58,18 +58,19 @@ class Origins;
 /// The findings of one pass, in the order of the places they point to.
 class Problems {
  public:
-  /// Those that are told; of more the number. Nobody reads on, and each would be looked at again.
+  /// Maximum number of findings that are kept; further ones are counted. Users read no more, and
+  /// each costs further work.
   static constexpr std::size_t kMostTold = 100;
 
   void add(Problem problem);
-  /// Each with its path as it was written; what is then said twice, once.
+  /// Gives each finding the path that was written; removes findings that are then equal.
   void name_as_written(const Origins& origins);
   [[nodiscard]] bool empty() const { return list_.empty(); }
-  /// Whether one more would only be counted.
+  /// Returns whether a further finding would only be counted.
   [[nodiscard]] bool full() const { return list_.size() >= kMostTold; }
   [[nodiscard]] std::size_t size() const { return list_.size() + untold_; }
-  /// Sorted by source (files in the order they were first complained about), line and column; last,
-  /// where there are, how many more.
+  /// Returns the findings sorted by source (files in the order of their first finding), line and
+  /// column; last, if there are more, their number.
   [[nodiscard]] std::vector<Problem> sorted() const;
   /// Throws ConfigurationError when there are any.
   void throw_if_any() const;

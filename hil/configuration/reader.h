@@ -63,7 +63,7 @@ class Reader final : public fields::Visitor {
             std::string_view text) override;
   void spelled(std::string_view key, const fields::Spelling& spelling,
                std::string_view text) override;
-  /// Names that are quantities ("100 Hz") are also met by "100Hz" and by the bare number.
+  /// Names that are quantities ("100 Hz") also match "100Hz" and the bare number.
   void pick(std::string_view key, std::size_t& index, std::span<const fields::Named> names,
             std::string_view text) override;
   void part(std::string_view key, const fields::Part& part, std::string_view text) override;
@@ -120,7 +120,7 @@ class Reader final : public fields::Visitor {
   const Value& document_;
   Problems& problems_;
   Origins& origins_;
-  Value nothing_;  ///< An empty map, read in place of a section that nobody wrote.
+  Value nothing_;  ///< An empty map, read in place of a section that was not written.
   std::vector<Frame> frames_;
   std::string required_;
   std::optional<Condition> without_effect_;  ///< While keys are named that have none.

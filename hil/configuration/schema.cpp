@@ -58,7 +58,7 @@ Json names_schema(std::span<const Named> names) {
   std::string quantities;
   for (const Named& named : names) {
     words.push_back(named.name);
-    // Names that are quantities are also met by the bare number and without the space.
+    // Names that are quantities also match the bare number, and the name without the space.
     if (const auto split = fields::split_quantity(named.name)) {
       numbers.push_back(split->value);
       quantities += (quantities.empty() ? "" : "|") + fields::shortest(split->value) + " *(" +

@@ -55,7 +55,7 @@ class Tiff {
     TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_error, &error_);
     TIFFOpenOptionsSetWarningHandlerExtR(options.get(), ignore_warning, nullptr);
     const int descriptor = open_raster(file);
-    // Not mapped into memory ("m"): a file that somebody cuts meanwhile would end the program.
+    // Not mapped into memory ("m"): if the file is truncated meanwhile, that would end the program.
     tiff_.reset(TIFFFdOpenExt(descriptor, file.c_str(), "rm", options.get()));
     if (!tiff_) {
       ::close(descriptor);
@@ -103,7 +103,7 @@ class Tiff {
   std::unique_ptr<TIFF, CloseTiff> tiff_;
 };
 
-/// How one sample stands in the file's (by now the machine's) bytes.
+/// The type of one sample in the file's bytes, which are in the machine's order by now.
 struct SampleFormat {
   std::uint16_t bits = 8;
   std::uint16_t kind = SAMPLEFORMAT_UINT;
@@ -181,7 +181,7 @@ void read_keys(const Tiff& tiff, GeoRaster& raster) {
   int geographic = 0;
   for (std::size_t i = 4; i + 3 < keys.size(); i += 4) {
     if (keys[i + 1] != 0) {
-      continue;  // stands in another tag
+      continue;  // its value is in another tag
     }
     const std::uint16_t value = keys[i + 3];
     if (keys[i] == kRasterType) {

@@ -23,7 +23,7 @@ constexpr std::int64_t kLooked_ns = 60 * kSecond_ns;
 /// Stamps from there on (2001-09-09) count from 1970.
 constexpr std::int64_t kLeastAbsolute_ns = 1'000'000'000 * kSecond_ns;
 
-/// What a sentence or a message tells, UTC in ns since 1970.
+/// The time in a sentence or a message, UTC in ns since 1970.
 struct Told {
   std::int64_t utc_ns = 0;
   std::string_view by;

@@ -1,17 +1,17 @@
-// The GPS time that is in a recorded file, against the instants that the recorder wrote: so that
-// files of several recorders, each with a clock of its own, are played in step.
+// Compares the GPS time in a recorded file with the instants that the recorder wrote, so that files
+// of several recorders, each with a clock of its own, are played in step.
 //
-//   file                             tells the time by
+//   file                             source of the time
 //   log or capture of a receiver     RMC and ZDA that are valid, UBX NAV-PVT and NAV-TIMEUTC with a
 //     (serial or UDP)                known date
 //   capture of a Velodyne            the position packets' microseconds past the hour, with the
 //                                    hour of the valid GPRMC in them
 //   candump log, capture of CAN      its own stamps, where they count from 1970
 //
-// The time is UTC. What tells it was written a little later than the instant that it tells; of all
-// that a file has in its first minute the one with the least delay counts. What is left is that
-// delay: of a receiver 20 to 200 ms from the epoch to the end of the message, less what the line's
-// speed explains; of a lidar below a millisecond.
+// The time is UTC. The message was recorded a little later than the instant that it reports; of all
+// in a file's first minute the one with the minimum delay counts. That delay remains as an error:
+// of a receiver 20 to 200 ms from the epoch to the end of the message, less what the line's speed
+// explains; of a lidar below a millisecond.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct GpsAlignment {
   std::uint64_t told = 0;         ///< Number of units that gave a time.
 };
 
-/// Throws as open_replay_reader(), and std::invalid_argument where nothing in the file tells it.
+/// Throws as open_replay_reader(), and std::invalid_argument when the file contains no time.
 [[nodiscard]] GpsAlignment find_gps_alignment(const ReplaySourceSettings& settings);
 
 }  // namespace rigwire::hil

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostPixelsAcross = 16384;
 
-/// Bytes of which one byte of deflate can tell: 258 by two bits (RFC 1951, 3.2.5 and 3.2.7).
+/// Maximum bytes that one byte of deflate expands to: 258 by two bits (RFC 1951, 3.2.5 and 3.2.7).
 constexpr std::size_t kMostExpansion = 258 * 4;
 
 /// What libpng's callbacks share with decode(): nothing in it needs a destructor, for libpng leaves

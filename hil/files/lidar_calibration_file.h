@@ -23,7 +23,7 @@
 namespace rigwire::hil {
 
 /// Throws std::runtime_error with file, line, column, key, the value found and what is allowed: no
-/// such file, no YAML, unknown keys, what is not a finite number, lasers missing or twice, values
+/// such file, no YAML, unknown keys, no finite number, lasers missing or twice, values
 /// that no unit has (protocols::velodyne::validate).
 [[nodiscard]] protocols::velodyne::Hdl64eCalibration load_lidar_calibration(
     const std::string& path);

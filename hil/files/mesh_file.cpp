@@ -287,8 +287,8 @@ class File {
     std::vector<WavefrontMaterial> materials;
   };
 
-  /// assimp looks into a file for any format that it knows, whatever the name says. Its readers of
-  /// the formats that nobody asked for are taken out.
+  /// Removes assimp's readers of other formats: it tries every format that it knows, whatever the
+  /// file's name says.
   void keep_own_formats() {
     for (std::size_t i = importer_.GetImporterCount(); i-- > 0;) {
       std::set<std::string> extensions;
@@ -490,7 +490,7 @@ void check(const sim::TriangleMesh& mesh, const std::filesystem::path& file) {
   }
 }
 
-/// Leaves out triangles that no ray can meet; throws where none is left.
+/// Removes triangles that no ray can hit; throws when none is left.
 void finish(LoadedModel& model, const std::filesystem::path& file, const std::string& name) {
   for (sim::TriangleMesh& part : model.parts) {
     model.dropped += sim::drop_bad_triangles(part);

@@ -12,11 +12,11 @@
 
 namespace rigwire::hil {
 
-/// All triangles of the file as one mesh named `name`, x forward, y left, z up, in the file's unit;
-/// polygons are split into triangles, points and lines left out, textures ignored. Of glTF (.gltf,
-/// .glb), whose y is up and whose z is forward (Khronos, glTF 2.0, 3.3), axes are exchanged;
-/// others are taken as they stand. Throws std::invalid_argument naming the file when it is missing
-/// or cannot be read, or holds no mesh that sim::validate() accepts.
+/// Returns all triangles of the file as one mesh named `name`, x forward, y left, z up, in the
+/// file's unit; polygons are split into triangles, points and lines left out, textures ignored. Of
+/// glTF (.gltf, .glb), whose y is up and whose z is forward (Khronos, glTF 2.0, 3.3), axes are
+/// exchanged; other formats keep theirs. Throws std::invalid_argument naming the file when it is
+/// missing or cannot be read, or holds no mesh that sim::validate() accepts.
 [[nodiscard]] sim::TriangleMesh load_mesh(const std::filesystem::path& file,
                                           const std::string& name);
 
@@ -24,7 +24,7 @@ namespace rigwire::hil {
 struct LoadedModel {
   std::vector<sim::TriangleMesh> parts;
   sim::DroppedTriangles dropped;
-  std::vector<std::string> notes;  ///< Lines for people: what of the file has no effect.
+  std::vector<std::string> notes;  ///< Messages to the user: what of the file has no effect.
 };
 
 /// Loads like load_mesh(), with colours and textures.
@@ -35,7 +35,7 @@ struct LoadedModel {
 /// Colours (TriangleMesh::colour) are those of OBJ and glTF: Kd and map_Kd of a material library
 /// with -s, -o and -clamp (hil/files/wavefront_file.h; the picture beside the library), base colour
 /// factor and texture with the sampler's wrapping. Factors are linear, pictures sRGB (glTF 2.0,
-/// 3.9.2). A glTF factor of white without a texture, which is also what is not said, is none.
+/// 3.9.2). A glTF factor of white without a texture, also by default, is no colour.
 ///
 /// Pictures of other formats than PNG are not opened, nor are glTF's texture transforms followed:
 /// there is a note. Bad triangles (sim/scene/mesh_repair.h) are left out and counted. Throws also

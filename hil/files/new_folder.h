@@ -1,4 +1,4 @@
-// A folder that whoever asks for it finds empty.
+// Makes an empty folder.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,8 @@
 
 namespace rigwire::hil {
 
-/// Makes `folder`, and what is above it. Throws drivers::EndpointError where it cannot be made, is
-/// no folder, or has something in it; `what` names the option that asked for it.
+/// Makes `folder`, and those above it. Throws drivers::EndpointError when it cannot be made, is no
+/// folder, or is not empty; `what` names the option that asked for it.
 void make_new_folder(std::string_view what, const std::filesystem::path& folder);
 
 }  // namespace rigwire::hil

@@ -112,8 +112,8 @@ class CaptureReader final : public ReplayReader {
   [[nodiscard]] bool truncated() const override { return file_.truncated(); }
 
  private:
-  /// In our own recordings what is inbound came from a client. A recorder of others stands at the
-  /// client, or says nothing: there the device's own packets may be either.
+  /// In our own recordings inbound packets came from a client. Another recorder was at the client,
+  /// or its place is unknown: there the device's own packets may be either.
   [[nodiscard]] bool has_wanted_direction(const pcapng::Packet& packet) const {
     using enum ReplayedDirection;
     switch (settings_.direction) {
@@ -339,7 +339,7 @@ class IndexedReader final : public ReplayReader {
   bool truncated_ = false;
 };
 
-/// What a receiver sent, without instants: its messages tell them. What comes before the first time
+/// What a receiver sent, without instants: its messages give them. What comes before the first time
 /// ends with that epoch's beginning, at the line's speed.
 class LogReader final : public ReplayReader {
  public:
@@ -440,7 +440,7 @@ class LogReader final : public ReplayReader {
   std::vector<Piece> pieces_;
   gnss_stream::StreamClock clock_{0};
   std::int64_t byte_ns_;
-  std::size_t first_ = 0;  ///< Piece that tells a time.
+  std::size_t first_ = 0;  ///< Piece that has a time.
   std::size_t piece_ = 0;
   std::size_t at_ = 0;
   std::int64_t epoch_ns_ = 0;

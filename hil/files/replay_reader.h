@@ -1,5 +1,5 @@
-// What passed on one wire, out of a file: units with the instants at which they were complete, by
-// the file's own count.
+// Reads what passed on one wire from a file: units with the instants at which they were complete,
+// by the file's own clock.
 //
 //   file                                     units                    instants
 //   pcap, pcapng of Ethernet (VLAN tags      UDP datagrams that the   of the packets
@@ -8,14 +8,13 @@
 //   pcapng of RTAC serial                    bytes                    of the packets
 //   FILE beside an index of its stem         bytes                    of the index's lines
 //     (gnss.bytes with gnss.index)
-//   any other: NMEA, UBX as they are         messages                 of the clock within
+//   any other: NMEA, UBX as they are         messages                 of the time in them
 //
-// The clock within is protocols/gnss_stream/time.h: a new time begins an epoch, and within it bytes
-// follow each other at line speed.
+// The time in messages (protocols/gnss_stream/time.h): a new time begins an epoch, and within it
+// bytes follow each other at line speed.
 //
-// What a client had sent is no part of it: inbound packets of our own recordings, T of candump, <
-// of an index. In captures of others `direction` chooses. What cannot be played is counted by its
-// kind.
+// What a client had sent is not read: inbound packets of our own recordings, T of candump, < of an
+// index. In captures of others `direction` chooses. What cannot be played is counted by its kind.
 #pragma once
 
 #include <array>
@@ -85,16 +84,17 @@ struct ReplayedUnit {
   drivers::IpEnd to;
 };
 
-/// A file as units with instants of its own count, in ns.
+/// A file as units with instants of its own clock, in ns.
 class ReplayReader {
  public:
   virtual ~ReplayReader() = default;
-  /// False at the end. Throws std::invalid_argument naming what is wrong with the file.
+  /// Reads the next unit; false at the end. Throws std::invalid_argument naming what is wrong with
+  /// the file.
   virtual bool next(std::int64_t& at_ns, ReplayedUnit& unit) = 0;
   [[nodiscard]] virtual ReplayedKind kind() const = 0;
-  /// After the end: the file ended in the middle of a unit.
+  /// After the end: whether the file ended in the middle of a unit.
   [[nodiscard]] virtual bool truncated() const = 0;
-  /// Where no instants were recorded: how long a unit took that began with the time that it tells.
+  /// For files without instants: how long a unit took that began with the time that it reports.
   [[nodiscard]] virtual std::int64_t transmission_ns(const ReplayedUnit& /*unit*/) const {
     return 0;
   }
@@ -108,9 +108,8 @@ class ReplayReader {
   std::map<std::string, std::uint64_t> notes_;
 };
 
-/// Reads what the settings name, and of captures what their filter lets through. Throws
-/// drivers::EndpointError where the file cannot be read, std::invalid_argument where nothing of a
-/// kind that can be played is in it.
+/// Opens the file of the settings, with the filter for captures. Throws drivers::EndpointError when
+/// the file cannot be read, std::invalid_argument when it contains nothing that can be played.
 [[nodiscard]] std::unique_ptr<ReplayReader> open_replay_reader(
     const ReplaySourceSettings& settings);
 

@@ -119,7 +119,7 @@ struct Named {
 WavefrontMesh scan_wavefront_mesh(std::string_view text, const std::string& who) {
   WavefrontMesh mesh;
   std::array<Counted, 3> counted{{{"vertex"}, {"texture coordinate"}, {"normal"}}};
-  std::array<Named, 3> farthest{};  // greatest index of each kind
+  std::array<Named, 3> farthest{};  // maximum index of each kind
   std::string material;
   const auto out_of_range = [&](std::size_t line, std::size_t kind, std::string_view index) {
     refuse(who, line,
@@ -192,7 +192,7 @@ WavefrontMesh scan_wavefront_mesh(std::string_view text, const std::string& who)
 
 namespace {
 
-/// One to three numbers after -o, -s or -t; what is not said stays.
+/// Reads one to three numbers after -o, -s or -t; omitted ones keep their values.
 void take_numbers(Words& words, std::array<double, 2>* values, const std::string& who,
                   std::size_t line, std::string_view option) {
   std::size_t count = 0;

@@ -1,4 +1,4 @@
-// The air as the truth has it: rain, snow, fog and haze dim evenly what is far away, dust stands in puffs.
+// The air as in the truth: rain, snow, fog and haze evenly dim distant things, dust is in puffs.
 // The thinning of fog with height is not drawn.
 
 import * as THREE from "/lib/three/build/three.module.js";

@@ -5,7 +5,7 @@ const MOST_ROWS = 500;
 const RETRY_MS = 1000;
 
 export class Events {
-  // `tell(event)` is called for each, too; `show(time_s)` for the one that is clicked.
+  // Calls `tell(event)` for each event, too, and `show(time_s)` for the one that is clicked.
   constructor(run, rows, plots, show, tell) {
     this.run = run;
     this.tell = tell;

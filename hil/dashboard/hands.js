@@ -1,7 +1,7 @@
-// Hands on the run: time, faults, sticks, recordings. Everything goes through the control surface.
+// Controls of the run: time, faults, overrides, recordings. They all use the control surface.
 
 const FAULTS_MS = 500;
-// What a hand brings into the air, beside the rig's weather: the slider goes from 0, nothing, to 1.
+// Manual overrides of the air, beside the rig's weather: the slider goes from 0, nothing, to 1.
 const AIR = [
   { kind: "rain", title: "rain", value: (share) => `${(100 ** share).toFixed(1)} mm/h` },
   { kind: "snow", title: "snow", value: (share) => `${(20 ** share).toFixed(1)} mm/h` },
@@ -9,12 +9,12 @@ const AIR = [
 ];
 
 export class Hands {
-  // `faultsAre(faults, time_s)` is told of all of them, from time to time.
+  // Calls `faultsAre(faults, time_s)` with all faults, periodically.
   constructor(run, parts, faultsAre) {
     this.run = run;
     this.faultsAre = faultsAre;
-    this.held = new Map(); // set point -> what a hand, of whatever client, gave it
-    this.commands = new Map(); // set point -> what the client on the wire asks for
+    this.held = new Map(); // set point -> its override, of whatever client
+    this.commands = new Map(); // set point -> what the client on the wire commands
     this.parts = parts;
     this.paused = false;
     this.recording = null;
@@ -156,7 +156,7 @@ export class Hands {
       const row = this.parts.weather.querySelector(`[data-air=${kind}]`);
       row.classList.toggle("held", air[kind] !== null);
       row.querySelector("output").textContent = air[kind] ?? "none";
-      // Let go by another hand it goes back; one that is being moved stays under the mouse.
+      // A slider goes back when another client releases it; one that is being moved stays.
       if (air[kind] === null && !row.contains(document.activeElement)) row.querySelector("input").value = 0;
     }
   }
@@ -243,7 +243,7 @@ export class Hands {
       held === undefined ? "" : `hand ${held}${asks === undefined ? "" : `, client ${asks}`}`;
   }
 
-  // What the client goes on asking for is told from its bytes, while a hand holds a set point.
+  // While a set point is overridden, the client's own command is read from its bytes.
   hearCommands() {
     const wanted = this.held.size > 0;
     for (const topic of wanted ? this.run.topics.keys() : []) {

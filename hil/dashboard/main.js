@@ -113,5 +113,5 @@ try {
   part("view-figures").textContent = `no 3D view: ${error.message}`;
 }
 
-// For whoever looks at the page with a program, and with the browser's own console.
+// For programs that drive the page, and for the browser's console.
 window.rigwire = { run, view, sensors, wires, buses, registers, events, timeLine, recording, hands, plots };

@@ -1,19 +1,19 @@
-// Where the machine's sensors sit, and what their clients are told: axes of inertial units, cameras
-// with the pictures that a client takes (or with previews, while none does), satellites as lines from
-// each receiver. What is not ticked is not asked for.
+// The machine's sensors at their mounts, with what their clients receive: axes of inertial units,
+// cameras with the pictures that a client takes (or with previews, while none does), satellites as
+// lines from each receiver. Only the ticked ones are subscribed to.
 
 import * as THREE from "/lib/three/build/three.module.js";
 
 const AXES_M = 0.6;
-const FRUSTUM_M = 1.6; // how far its picture stands from a camera
-const ROUND = 64; // sides of a camera's that looks all round
+const FRUSTUM_M = 1.6; // distance of its picture from a camera
+const ROUND = 64; // sides of the picture of an all-round camera
 const SATELLITE_M = 14; // of a line
 const MOST_SATELLITES = 64;
 const SKY = { used: 0x00e676, received: 0xffc400, lost: 0xff5252 };
 const RADIANS = Math.PI / 180;
 
 export class Sensors {
-  // `choices`: tick boxes {axes, cameras, satellites}. `pictures`: where they stand in the page.
+  // `choices`: tick boxes {axes, cameras, satellites}. `pictures`: their element in the page.
   constructor(run, view, choices, pictures) {
     this.run = run;
     this.view = view;
@@ -22,7 +22,7 @@ export class Sensors {
     this.shown = new Map(); // sensor -> {kind, group}
     this.cameras = new Map(); // topic -> {canvas, caption, texture, picture, count, previews}
     this.skies = new Map(); // topic -> {lines, told}
-    this.ends = new Map(); // topic -> what ends listening
+    this.ends = new Map(); // topic -> function that unsubscribes
     run.listen("/sensors", ({ sensors }) => this.place(sensors));
     run.addEventListener("topics", () => this.watch());
     for (const box of Object.values(choices)) box.addEventListener("change", () => this.watch());

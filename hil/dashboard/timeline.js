@@ -23,7 +23,7 @@ const element = (name, attributes, parent) => {
 };
 
 export class TimeLine {
-  // `show(time_s)` is told the instant of the mark that is chosen; `end(fault)` ends it.
+  // Calls `show(time_s)` with the instant of the mark that is chosen; `end(fault)` ends a fault.
   constructor(run, svg, words, show, end) {
     this.svg = svg;
     this.words = words;
@@ -46,12 +46,13 @@ export class TimeLine {
   }
 
   add(time_s, kind, where, text, bad) {
-    if (kind.startsWith("fault_") || this.end_s !== null) return; // its band tells, the recording does
+    // its band or the recording shows it
+    if (kind.startsWith("fault_") || this.end_s !== null) return;
     this.marks.push({ time_s, kind, where, text, bad });
     if (this.marks.length > MOST_MARKS) this.marks.shift();
   }
 
-  // All that happens in a recording, until its end.
+  // Shows all events of a recording, until its end.
   showRecorded(end_s, marks) {
     this.end_s = end_s;
     this.marks = marks.slice(0, MOST_MARKS);

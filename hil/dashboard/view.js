@@ -1,4 +1,4 @@
-// The machine in its scene: ground as it stands now, what stands on it, every link where it is, the
+// The machine in its scene: the present ground, the things on it, every link at its pose, the
 // points that a client of the lidars sees, fixes beside their antennas, contacts, the way driven.
 // World axes: x east, y north, z up, metres.
 
@@ -120,7 +120,7 @@ export class View {
     return this.frames.get(name);
   }
 
-  // What stands there ------------------------------------------------------------------------------
+  // Things in the scene ----------------------------------------------------------------------------
 
   model(url) {
     if (!this.models.has(url)) {

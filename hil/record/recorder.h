@@ -14,7 +14,6 @@
 // does the rest. When the queue is full, because a disk is slower than the wires for long, further
 // data is lost, counted and reported at once. Only simulated time waits for the disk, and only
 // where it does not follow the wall's.
-// not follow the wall's.
 #pragma once
 
 #include <atomic>

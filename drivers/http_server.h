@@ -2,10 +2,10 @@
 //
 // Loopback only, unless the settings opt in to more, or a socket in the file system, which its
 // owner alone can open. Connections stay open between requests when the client wants it; requests
-// requests that come before their predecessor's answer wait in the system. A client that stops
-// half-way through a request, or does not read its answer, is closed after a while; no other client
-// waits for it. When all places are taken, a newcomer gets the place of the client that has been
-// silent longest and does not wait for an answer; when all wait for one, the newcomer is closed.
+// that come before their predecessor's answer wait in the system. A client that stops half-way
+// through a request, or does not read its answer, is closed after a while; no other client waits
+// for it. When all places are taken, a newcomer gets the place of the client that has been silent
+// longest and does not wait for an answer; when all wait for one, the newcomer is closed.
 //
 // A client that leaves while it waits for an answer keeps no place: its connection is closed when
 // the system reports that it has gone (a Unix socket that is closed, a TCP connection that is

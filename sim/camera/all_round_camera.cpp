@@ -62,8 +62,8 @@ CameraParameters view_camera(const AllRoundCameraParameters& p) {
   return camera;
 }
 
-/// A mosaic's three colours at each pixel, each the mean of the nearest pixels of its filter.
-/// `round`: the first column stands beside the last one.
+/// Interpolates a mosaic: each of a pixel's three colours is the mean of the nearest pixels with
+/// that filter. `round`: columns wrap around.
 void demosaic(const std::vector<std::uint16_t>& mosaic, int width, int height, bool round,
               std::vector<std::uint16_t>& colours) {
   colours.resize(3 * mosaic.size());

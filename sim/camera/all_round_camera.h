@@ -6,7 +6,7 @@
 //   azimuth to the right = ((c + 0.5) / width - 0.5) 360 degrees
 //   elevation            = upper - (r + 0.5) 360 degrees / width
 //
-// Two ways, behind one key:
+// There are two ways to render it, chosen by one key:
 //   rays   each pixel's ray is cast where the pixel looks (a lens of the model equirectangular):
 //          no seam, no interpolation, all of the sphere
 //   views  three or more cameras with plain lenses, all in one point, each for its share of the
@@ -20,7 +20,7 @@
 // A grey sensor gives Mono8, 10, 12; one behind a Bayer mosaic RGB8, its colours interpolated from
 // the nearest two or four pixels of theirs, without white balance.
 //
-// Left out: heads that stand apart, with their parallax at the seams, and blending there.
+// Not modelled: heads at a distance from each other, with parallax and blending at their seams.
 //
 // Defaults: the paper's three views of 120 degrees, with 640 pixels each, joined to about as many
 // as they have in their middle.

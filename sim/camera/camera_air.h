@@ -1,5 +1,5 @@
-// The air between a camera and what it sees, held for one picture: the media that the lidar meets
-// (sim/weather), for visible light and one way.
+// The air between a camera and what it sees, held for one picture: the media of sim/weather, which
+// the lidar uses too, for visible light and one way.
 //
 // A surface of luminance L behind the optical depth tau is seen as L T + A (1 - T), T = exp(-tau):
 // H. Koschmieder 1924. A, the airlight, is that of air lit evenly from all round, by its media:

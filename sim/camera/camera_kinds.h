@@ -1,5 +1,5 @@
-// All kinds of camera, for whoever lets a file choose: parameters, what a device must know of the
-// kind before there is one, and the sensor itself.
+// All kinds of camera, for code that selects one from a file: parameters, what a device must know
+// of the kind before it creates a sensor, and the sensor itself.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// A camera: its lens, its sensor, and how dear its pictures are.
+// Parameters of a camera: its lens, its sensor, and the quality and cost of its pictures.
 #pragma once
 
 #include <vector>
@@ -22,8 +22,8 @@ struct CameraParameters {
   /// With one ray per pixel: a pixel whose light differs from a neighbour's by more than this
   /// factor is the mean of four rays in its area instead. 0: no pixel is.
   double edge_ratio = 4.0;
-  /// Rays per sample that look for the sky, in place of the lattice of sky_visibility.h: dearer,
-  /// noisy, and right below what moves. 0: the lattice.
+  /// Rays per sample that sample the sky, instead of the lattice of sky_visibility.h: more costly,
+  /// noisy, but correct below moving things. 0: the lattice.
   int sky_rays = 0;
   double near_m = 0.05;   ///< Nearer than this nothing is seen.
   double far_m = 2000.0;  ///< Beyond this only sky and far ground.

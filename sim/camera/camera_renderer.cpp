@@ -38,7 +38,7 @@ constexpr int kEdgeMargin = 1;
 /// What is added to both sides of an edge, as share of the light that fills a pixel: two levels of
 /// 255 are no edge.
 constexpr double kDarkShare = 0.01;
-/// Where a path through fog or rain ends for rays that meet nothing.
+/// Maximum length of a path through fog or rain, for rays that hit nothing.
 constexpr double kFarthestAir_m = 5000.0;
 constexpr double kAirHeight_m = 1500.0;
 /// Dust's own colour: its share of the light, red, green, blue (mineral dust scatters 0.9 and more
@@ -253,7 +253,7 @@ struct CameraRenderer::Internals {
         pool(given.threads, PoolPriority::spare_time),
         pixels(lens, given.sensor) {}
 
-  /// One packet of pixels through one sample, what it met, and what is seen of it.
+  /// One packet of pixels through one sample, its hits, and what is visible of them.
   struct Packet {
     PixelPacket pixels;
     TexturedPacket surfaces;
@@ -496,7 +496,7 @@ void CameraRenderer::Internals::pass_air(Packet& packet) const {
   }
 }
 
-/// Rays towards the sun from what the packet met.
+/// Aims rays from the packet's hits towards the sun.
 void CameraRenderer::Internals::aim_shadow(Packet& packet) const {
   const PictureJob& job = *frame.job;
   packet.in_sun = false;

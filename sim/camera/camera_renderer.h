@@ -1,10 +1,10 @@
 // Pictures of a scene, ray by ray.
 //
-// Each pixel's rays go where the lens looks, from where the camera is at that pixel's own instant:
-// rows start one after the other (rolling shutter) or together, several samples are spread over the
-// exposure and over the pixel's area. No image is warped. What a ray meets is lit by sun, with its
-// shadow, and sky (shading_lanes.h), seen through the air (camera_air.h), and becomes numbers in
-// the sensor (image_sensor.h).
+// Each pixel's rays are cast along the lens's directions, from where the camera is at that pixel's
+// own instant: rows start one after the other (rolling shutter) or together; several samples are
+// spread over the exposure and over the pixel's area. No image is warped. Each hit point is lit by
+// the sun, with its shadow, and by the sky (shading_lanes.h), and is seen through the air
+// (camera_air.h); the sensor turns its luminance into numbers (image_sensor.h).
 //
 // A picture depends on its job, on the scene in its present slice, and on the renderer's
 // parameters, seed and name alone: not on pictures before, on threads, or on tiles.
@@ -69,7 +69,7 @@ struct RenderedPicture {
   std::vector<std::uint32_t> instance;  ///< Scene::InstanceId; ~0: none.
 };
 
-/// What several rays of each pixel met: pixel by pixel, a pixel's rays beside each other.
+/// Hits of several rays per pixel: pixel by pixel, the rays of a pixel one after the other.
 struct PictureRays {
   int width = 0;
   int height = 0;

@@ -99,7 +99,7 @@ struct Penalties {
   std::uint8_t large;
 };
 
-/// One pixel farther on a path; `least` is the least of `before`, the least of `now` is returned.
+/// Advances a path by one pixel. `least`: minimum of `before`. Returns the minimum of `now`.
 inline __attribute__((always_inline)) std::uint8_t go_on(const std::uint8_t* cost,
                                                          const std::uint8_t* before,
                                                          std::uint8_t least, Penalties penalties,
@@ -215,7 +215,7 @@ inline __attribute__((always_inline)) void sum_rightwards(std::size_t row, Workp
   }
 }
 
-/// Steps by which the least of three sums lies beside the middle one.
+/// Offset of the minimum from the middle of three sums, in disparity steps.
 inline int beside(int before, int middle, int after) {
   const int steep = std::max(before, after) - middle;
   return steep > 0 ? (before - after) * kDisparitySteps / (2 * steep) : 0;
@@ -259,7 +259,7 @@ inline __attribute__((always_inline)) void sum_leftwards(Workplace<Sum>& w, std:
       first = here < first ? here : first;
     }
     const int best = first;
-    // The least of what does not lie beside it.
+    // The minimum over disparities that are not adjacent to the best.
     const auto before = static_cast<Sum>(best - 1);
     Sum next = kNoSum<Sum>;
 #pragma GCC ivdep
@@ -299,7 +299,7 @@ RIGWIRE_WIDE_VECTORS void go_left(Workplace<std::uint16_t>& w, std::int16_t* ste
   sum_leftwards(w, steps, margins);
 }
 
-/// Whether sums and disparities are below 255. A path goes up by P2 from its least at most.
+/// Whether sums and disparities are below 255. A path's cost is at most kCensusPairs + P2.
 bool fits_bytes(const StereoMatchingParameters& p) {
   const int paths = p.paths == MatchingPaths::five ? 5 : 3;
   return paths * (kCensusPairs + p.large_step_bits) < 255 && p.disparities < 255;

@@ -29,7 +29,7 @@ namespace rigwire::sim {
 [[nodiscard]] std::unique_ptr<StereoMatcher> make_census_matcher(
     const StereoMatchingParameters& parameters, int threads);
 
-/// Pairs of pixels that are compared: the greatest cost.
+/// Pixel pairs that are compared; also the maximum cost.
 inline constexpr int kCensusPairs = 31;
 
 }  // namespace rigwire::sim

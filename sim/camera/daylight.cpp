@@ -21,7 +21,7 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr double kSolarConstant_lx = 133.3e3;
 constexpr double kLowestShape_rad = 2.0 * kDegree;
 constexpr double kLeastSkyShare = 0.15;
-/// Wavelengths that stand for the bands, um.
+/// Wavelengths that represent the bands, um.
 constexpr std::array<double, 3> kBands_um{0.610, 0.550, 0.465};
 /// Weights of the bands in luminance, linear sRGB.
 const Eigen::Vector3f kLuminance(0.2126F, 0.7152F, 0.0722F);

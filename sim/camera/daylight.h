@@ -14,8 +14,9 @@
 //           spread it by their five Perez numbers and chromaticities; these no more purple than the
 //           CIE's daylight locus, which real skies keep to (J. Hernandez-Andres, J. Romero, J. L.
 //           Nieves, R. L. Lee, "Color and spectral analysis of daylight in southern Europe", JOSA A
-//           18(6), 2001), while the fit leaves it near the horizon; with the sun below 2 degrees,
-//           as if it stood there
+//           Nieves, R. L. Lee, "Color and spectral analysis of daylight in southern Europe", JOSA A
+//           18(6), 2001), while the fit leaves it near the horizon; below 2 degrees of elevation
+//           the sun is taken as being at 2 degrees
 //   clouds  total times 1 - 0.75 c^3.4 (F. Kasten, G. Czeplak, 1980), sun times 1 - c, sky blended
 //           into the standard overcast one, (1 + 2 sin e) / 3 (P. Moon, D. E. Spencer, 1942)
 // Ground below the horizon sends back its albedo of the total, evenly.
@@ -60,7 +61,7 @@ class Daylight {
 
   [[nodiscard]] const DaylightParameters& parameters() const { return parameters_; }
   [[nodiscard]] const Eigen::Vector3f& to_sun_W() const { return to_sun_; }
-  /// False: it stands below the horizon, or behind clouds altogether.
+  /// False when the sun is below the horizon or fully hidden by clouds.
   [[nodiscard]] bool sun_shines() const { return sun_lx_.y() > 0.0F; }
   /// Illuminance of a surface that faces the sun, by the sun alone, lx.
   [[nodiscard]] const Eigen::Vector3f& sun_lx() const { return sun_lx_; }

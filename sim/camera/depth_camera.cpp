@@ -127,7 +127,7 @@ class DepthCamera final : public CameraSensor {
       float sine = 0.0F;
       Echo& echo = echoes_[pixel];
       echo = {};
-      // Phases are told from that of the first echo, so that equal ones add up without rounding.
+      // Phases are relative to the first echo's, so that equal ones add up without rounding.
       float from_m = 0.0F;
       for (std::size_t at = first; at < first + rays; ++at) {
         const float range_m = rays_.range_m[at];

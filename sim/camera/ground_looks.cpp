@@ -133,7 +133,7 @@ bool GroundLooks::near_laid(float x, float y) const {
   return laid;
 }
 
-/// The labels that lie at places near which soils meet: their edges waver.
+/// Picks the labels at places near a boundary between soils, whose edges are ragged.
 RIGWIRE_WIDE_VECTORS void GroundLooks::cross_edges(const Places& at, const LaneArray& footprint_m,
                                                    LabelLanes& label) const {
   constexpr float kCoarse_m = 0.9F;

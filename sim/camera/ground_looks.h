@@ -1,6 +1,6 @@
-// How terrain looks, and how its surface leans: by the soil of a cell, in ragged edges where soils
-// meet, and bare where it is steeper than its soil holds. Normals come from central differences at
-// the terrain's nodes, blended in between.
+// Terrain materials and shading normals. The soil of a cell sets the material, with ragged edges
+// between soils; slopes steeper than the soil holds are bare. Normals come from central differences
+// at the terrain's nodes, blended in between.
 #pragma once
 
 #include <Eigen/Core>
@@ -37,7 +37,8 @@ class GroundLooks {
   struct Slopes {
     float x = 0.0F, y = 0.0F;
   };
-  /// Where points are among the nodes, in cells, and which of them are where soils meet: -1.
+  /// Positions of points among the nodes, in cells, and which of them are near a boundary between
+  /// soils: -1.
   struct Places {
     LaneArray x, y;
     alignas(32) std::array<int, kLanes> near_edge;

@@ -269,8 +269,8 @@ RIGWIRE_WIDE_VECTORS void fill_wells(const float* seen, const float* falloff, co
   }
 }
 
-/// Shot and read noise together; what is above the well is lost before it is read. Returns the
-/// least signal.
+/// Adds shot and read noise together; what exceeds the full well is lost before it is read. Returns
+/// the minimum of the signals, at most kExactBelow.
 RIGWIRE_WIDE_VECTORS float count_up(const float* signal, const float* normal, std::size_t count,
                                     float read_variance, float full_well, float* electrons) {
   float least = kExactBelow;
@@ -349,7 +349,7 @@ void ImageSensor::charge(std::span<const float> luminance, std::span<const float
     }
   }
   for (float& electrons : signal) {
-    // What is not a number counts as 0.
+    // NaN counts as 0.
     electrons = electrons > 0.0F ? std::min(electrons, 4.0F * exposure.full_well) : 0.0F;
   }
 }
@@ -447,7 +447,8 @@ void AutoExposure::taken(double mean, bool exposure_free, bool gain_free, const 
   const AutoExposureParameters& p = parameters_;
   const Choice measured = queue_.front();
   Choice chosen = queue_.back();
-  // What light the picture would have needed; a saturated or black one says at least a factor 4.
+  // The light that the picture would have needed, relative to what it got; 4 is the limit either
+  // way.
   const double error = std::clamp(p.target / std::max(mean, 1e-3), 0.25, 4.0);
   if (std::abs(error - 1.0) > p.dead_band) {
     const double wanted = to_seconds(measured.exposure) * std::pow(10.0, measured.gain_db / 20.0) *

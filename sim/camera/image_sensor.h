@@ -144,8 +144,8 @@ class ImageSensor {
 /// Mean of the numbers of a picture, share of full scale, black level taken off; not below 0.
 [[nodiscard]] double mean_share(std::span<const std::uint16_t> numbers, const ReadOut& read_out);
 
-/// Numbers as a camera's wire has them: one byte each of 8 bits, else two, the least significant
-/// first. `bytes` is resized.
+/// Packs numbers as a camera sends them: one byte each for 8 bits, else two, the least significant
+/// first. Resizes `bytes`.
 void pack_numbers(std::span<const std::uint16_t> numbers, int bits,
                   std::vector<std::uint8_t>& bytes);
 

@@ -101,7 +101,7 @@ class Lens {
   Eigen::Vector2d centre_;
   int width_px_;
   int height_px_;
-  double circle_rad_;  ///< Greatest angle from the axis that may be seen.
+  double circle_rad_;  ///< Maximum visible angle from the axis.
   /// Up to where the model is monotonic, or the image circle ends: r^2 of brown_conrady, theta of
   /// kannala_brandt.
   double limit_;

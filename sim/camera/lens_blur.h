@@ -14,7 +14,7 @@
 
 namespace rigwire::sim {
 
-/// Least transfer at a quarter of a cycle: below it the highest frequency would be turned over.
+/// Minimum transfer at a quarter of a cycle; below it the highest frequency would be inverted.
 inline constexpr double kLeastTransfer = 0.5;
 
 /// The weight `a` of both neighbours for that transfer at 0.25 cycles per pixel, kLeastTransfer ..

@@ -1,5 +1,5 @@
-// Textures of meshes on what a packet of rays met: albedos averaged over a pixel's footprint,
-// across and along its slant each by itself (colour_texture.h).
+// Textures of meshes at a ray packet's hits: albedos averaged over a pixel's footprint, across and
+// along its slant separately (colour_texture.h).
 #pragma once
 
 #include <cstddef>

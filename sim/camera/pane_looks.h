@@ -9,7 +9,7 @@
 
 namespace rigwire::sim {
 
-/// Coordinates of something with panes, and how they stand in its sides.
+/// Coordinates of a mesh with panes, and how the panes are arranged in its sides.
 struct PaneFrame {
   std::array<float, 12> X{};  ///< Pose of the mesh in Embree's coordinates, column by column.
   Eigen::AlignedBox3f bounds_M;

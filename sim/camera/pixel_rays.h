@@ -59,7 +59,7 @@ struct PixelPacket {
 /// The samples of each pixel.
 struct PixelSamples {
   int count = 1;       ///< 1: its middle, at the middle of the exposure.
-  int lattice = 0;     ///< They stand in as many rows of as many; 0: they are scattered.
+  int lattice = 0;     ///< Samples form as many rows of as many; 0: they are scattered.
   bool parts = false;  ///< aim_parts() is called.
 };
 
@@ -153,7 +153,7 @@ class PixelRays {
   int height_ = 0;
   int blocks_across_ = 0;
   std::vector<PixelBlock> blocks_;
-  std::vector<BlockSlopes> slopes_;  ///< Empty while samples stand in the middle.
+  std::vector<BlockSlopes> slopes_;  ///< Empty if samples are at the pixel's middle.
   std::vector<PacketPose> poses_;    ///< One, or one for each row of packets.
   PixelSamples samples_;
   float exposure_s_ = 0.0F;

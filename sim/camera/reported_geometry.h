@@ -1,11 +1,11 @@
-// What a camera with a third coordinate says of itself, so that its numbers can be turned into
-// points: the calibration to which its pictures are rectified.
+// The calibration that a camera with a third coordinate reports, so that its numbers can be turned
+// into points. Its pictures are rectified to it.
 //
-// Of the whole picture, without binning. Pixels are counted as in lens.h, the middle of the first
-// one at 0. Point of pixel (u, v) in the frame C of lens.h:
+// It holds for the whole picture, without binning. Pixels are counted as in lens.h, the middle of
+// the first one at 0. The point of pixel (u, v) in the frame C of lens.h is:
 //   stereo   Z = focal_length_px * baseline_m / disparity
 //   depth    Z = the coordinate itself
-//   X = (u - principal_u_px) Z / focal_length_px, Y likewise
+//   X = (u - principal_u_px) Z / focal_length_px, and Y from v in the same way
 #pragma once
 
 #include "sim/samples/picture_sample.h"

@@ -1,6 +1,6 @@
-// What the surfaces of a scene look like: which look, normal and frame each point has that a packet
-// of rays met, and its texture. Ground, panes of glass, textures of meshes and what moves have
-// their own ways (ground_looks.h, pane_looks.h, painted_looks.h).
+// Appearance of a scene's surfaces: material, normal, frame and texture at each of a ray packet's
+// hits. Ground, panes of glass, textured meshes and moving things are handled separately
+// (ground_looks.h, pane_looks.h, painted_looks.h).
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ class SceneLooks {
   /// Prepares for the scene in its present slice. Looks in `given` replace built-in ones.
   void prepare(const Scene::Internals& scene, const std::vector<SurfaceLook>& given);
 
-  /// Textures what a cast packet met. Returns whether it met anything.
+  /// Textures the hits of a cast packet. Returns whether it has any.
   bool texture_hits(const RTCRayHit8& rays, const LaneArray& pixel_rad, const LightTerms& light,
                     TexturedPacket& packet) const;
 

@@ -70,8 +70,8 @@ RIGWIRE_WIDE_VECTORS bool meet_points(const Scene::Internals::Shading* shading,
       met.gz[i] = mine ? z : met.gz[i];
     }
   };
-  // Neighbours mostly meet the same things: one after the other is worked out for all lanes, and
-  // each lane keeps what is its own.
+  // Neighbouring rays mostly hit the same surfaces: each surface is computed for all lanes, and
+  // each lane keeps its own.
   std::size_t first = kLanes;
   unsigned done = kNothing;
   for (std::size_t lane = 0; lane < kLanes && (first == kLanes || met.one == ~0U); ++lane) {

@@ -22,7 +22,7 @@
 
 namespace rigwire::sim {
 
-/// A surface look made ready: its grain's lattice where the scene stands still.
+/// A surface look made ready: its grain's lattice in the fixed scene.
 struct PreparedLook {
   Shade shade;
   std::array<std::int32_t, 3> cell{};
@@ -39,11 +39,11 @@ struct LightTerms {
 };
 [[nodiscard]] LightTerms light_terms(const Daylight& light, double wetness);
 
-/// What eight rays met. Rays that met nothing have the place of one that did, so that lanes stay
-/// alike, and a normal of no length.
+/// Hits of eight rays. Rays without a hit get the position of one with a hit, so that lanes stay
+/// alike, and a zero normal.
 struct MetSurfaces {
   alignas(32) std::array<std::uint32_t, kLanes> number;  ///< surface_number().
-  unsigned one = ~0U;    ///< Number of all that met something; ~0: there are several.
+  unsigned one = ~0U;    ///< Number of the only surface that was hit; ~0: several were.
   LaneArray x, y, z;     ///< Hit points, in Embree's coordinates.
   LaneArray range_m;     ///< Along the ray.
   LaneArray gx, gy, gz;  ///< Flat normals, unit, towards the viewer; 0 where nothing is.
@@ -61,11 +61,11 @@ struct MetSurfaces {
 /// Look of each lane; ~0 where nothing was hit.
 struct alignas(32) LookLanes : std::array<std::uint32_t, kLanes> {};
 
-/// Points, flat normals and draws of what a cast packet met. Returns whether it met anything.
+/// Computes points, flat normals and draws of a cast packet's hits. Returns whether there are any.
 bool meet_points(const Scene::Internals::Shading* shading, const RTCRayHit8& packet,
                  MetSurfaces& met);
 
-/// What the surfaces look like. `met` keeps what it has when all lanes have the look of before.
+/// Copies the looks to the lanes. Keeps those in `met` if all lanes have the look of the last call.
 void take_looks(const PreparedLook* looks, const LookLanes& look, MetSurfaces& met);
 
 /// A pixel's width on the surfaces, between that across and that along its slant.

@@ -302,7 +302,7 @@ RIGWIRE_WIDE_VECTORS bool ShadowCeiling::doubt(const RTCRay8& rays,
     const float y = rays.org_y[i];
     const float along = to_along_[0] * x + to_along_[1] * y + to_along_[2];
     const float across = to_across_[0] * x + to_across_[1] * y + to_across_[2];
-    // The outermost cells are closed; what is not a number becomes the first of them.
+    // The outermost cells are closed; NaN becomes the first of them.
     const float a = std::min(std::max(0.0F, along), last_along);
     const float b = std::min(std::max(0.0F, across), last_across);
     cell[i] = static_cast<int>(a) * width + static_cast<int>(b);

@@ -1,16 +1,17 @@
-// Where the sun shines for certain: over each place of the ground a height above which nothing of
-// the scene stands between a point and the sun. Shadow rays from there need not be cast; pictures
-// are the same with and without (tested).
+// Where the sun shines for certain: the height at each place of the ground above which nothing in
+// the scene blocks the sun. Shadow rays from there need not be cast; pictures are the same with and
+// without them (tested).
 //
-// A lattice whose rows run towards the sun, over the scene's terrain. What can cast a shadow
-// raises the ceiling where it stands, and from there on away from the sun by tan(elevation) less
-// for each metre:
+// The ceiling is a lattice over the scene's terrain whose rows run towards the sun. A shadow caster
+// raises the ceiling at its own place, and behind it, away from the sun, by tan(elevation) less for
+// each metre. Shadow casters are:
 //   - objects, bodies (at both ends of the slice) and displaced pieces, by the boxes around them;
 //   - of the terrain only cells that rise towards the sun more steeply than its rays: a ray that
 //     starts above the ground comes upon it nowhere else.
-// Cells are as wide as kMostAcross of them over the terrain ask for, kLeastCell_m at least; a point
-// is given up to a cell and a half more shadow than it has. Outside the terrain, without terrain or
-// with several, with the sun below kLeastElevation_rad: nothing is certain, every ray is cast.
+// Cells are as wide as kMostAcross of them over the terrain require, and at least kLeastCell_m; a
+// point may be given up to a cell and a half more shadow than it has. Outside the terrain, without
+// terrain or with several, and with the sun below kLeastElevation_rad, nothing is certain and every
+// ray is cast.
 //
 // Where it differs from the rays: in a crease of the ground sharper than a right angle, within the
 // 2 mm and 1e-4 of the range that shadow rays start off the surface; there they start beneath it.

@@ -1,4 +1,4 @@
-// What all kinds of camera do with a shot: ask whether it fits, and lay pictures out as parts.
+// Common to all kinds of camera: checks whether a shot is possible, and arranges pictures as parts.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@ struct PictureParts {
 inline constexpr PictureParts kStereoParts{true, true, true, false, true};
 inline constexpr PictureParts kDepthParts{true, false, false, true, true};
 
-/// Throws std::invalid_argument unless the command asks for at least one part, for none that the
-/// kind does not make, and for one of its formats. `kind`: for the message.
+/// Throws std::invalid_argument if the command asks for no part, for one that the kind does not
+/// make, or for a format that is not in `formats`. `kind`: for the message.
 void require_fits(const CameraCommand& command, std::string_view kind, const PictureParts& made,
                   std::span<const PixelFormat> formats);
 /// Throws std::invalid_argument for binning, or for a region that is not within the picture; of
@@ -62,7 +62,7 @@ PicturePart& add_part(Picture& picture, PictureComponent component, PixelFormat 
 /// Returns `region` of `truth`.
 [[nodiscard]] CameraTruth crop(const CameraTruth& truth, const PictureRegion& region);
 
-/// Sixteen bits, the least significant first.
+/// Writes 16 bits, the least significant byte first.
 void put_16(std::uint16_t value, std::uint8_t* to);
 
 }  // namespace rigwire::sim

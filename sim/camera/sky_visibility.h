@@ -1,10 +1,10 @@
-// How much of the sky a point near the ground sees past what stands still in a scene: terrain,
-// rocks, buildings, trees.
+// How much of the sky a point near the ground sees past the fixed parts of a scene: terrain, rocks,
+// buildings, trees.
 //
-// A lattice over the terrain, three heights above it; at each node rays towards the sky, spread by
-// the cosine of the zenith angle and turned differently from node to node, are cast at what is
-// fixed, leaves with their gaps. In between it is interpolated. What moves, and ground that is dug,
-// does not count: sky_rays of the camera (camera_parameters.h) ask for every pixel instead.
+// It is a lattice over the terrain with three heights; at each node rays towards the sky, spread by
+// the cosine of the zenith angle and turned differently from node to node, are cast at the fixed
+// parts, leaves with their gaps. In between it is interpolated. Moving things and dug ground do not
+// count: the camera's sky_rays (camera_parameters.h) sample the sky at every pixel instead.
 // Standard error of a node: 0.5 / sqrt(kRays), 12 %, smoothed by neighbours; a ditch narrower than
 // a cell is not seen, nor anything beyond 80 m. Built once: about 0.1 s for 120 m of pit, 1.5 s for
 // a forest of single leaves; memory 150 kB at most.

@@ -182,7 +182,7 @@ class StereoCamera final : public CameraSensor {
     }
   }
 
-  /// What is true behind the pixels of a rectified camera that stands there.
+  /// Renders the truth behind the pixels of a rectified camera at `X_SC`.
   void tell(const Scene& scene, const CameraShot& shot, const ReadOut& read_out,
             const Eigen::Isometry3d& X_SC, RenderedPicture& known) {
     CameraRenderer& renderer = ideal_ ? *ideal_ : heads_[0].renderer;

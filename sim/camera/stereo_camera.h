@@ -1,12 +1,11 @@
 // A stereo camera: two heads side by side, their pictures rectified and matched.
 //
-// Mount frame S is the left head's; the right one stands at (0, -baseline, 0) in it and is turned
-// by `misalignment`. Both are alike but for their own noise, fixed pattern and dirt. What each saw
-// is rectified to the pinhole camera that stereo_geometry() reports (no distortion, the left lens's
-// own focal length and principal point) by interpolating its numbers between pixels, as such
-// devices do, then matched (stereo_matcher.h) by the upper eight bits. A head without distortion or
-// misalignment is rectified already and stays as it is, bit by bit.
-//
+// Mount frame S is the left head's; the right head is at (0, -baseline, 0) in it and is turned by
+// `misalignment`. The heads differ only in noise, fixed pattern and dirt. Each picture is rectified
+// to the pinhole camera that stereo_geometry() reports (no distortion, the left lens's own focal
+// length and principal point) by interpolating its numbers between pixels, as such devices do, then
+// matched (stereo_matcher.h) by the upper eight bits. A head without distortion or misalignment is
+// rectified already, and its picture stays as it is, bit by bit.
 // `misalignment` is what the calibration does not know: heads that have moved in their housing
 // since. 0.1 degree of pitch at a focal length of 533 pixels puts the rows 0.9 pixels apart.
 //

@@ -1,4 +1,4 @@
-// Where the sun stands, by place, date and time.
+// Position of the sun, by place, date and time.
 //
 // Method: the equations of NOAA's solar calculator, after J. Meeus, "Astronomical Algorithms", 2nd
 // ed. 1998, chapters 25 (low accuracy) and 28, with NOAA's refraction for 1013 hPa and 10 degrees

@@ -140,7 +140,7 @@ RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor
                                     Grain& grain) {
   std::array<LaneArray, 3> place;
   LaneArray weight;
-  LaneArray cells;  // Their edges in the least ones that show.
+  LaneArray cells;  // Cell edges, in units of the smallest visible cell.
   float widest = 0.0F;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {

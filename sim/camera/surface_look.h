@@ -98,12 +98,12 @@ struct Shade {
 
 [[nodiscard]] Shade shade_of(SurfaceKind kind);
 
-/// By the label: from `looks` where it is there, else what is built in; a label that nobody knows
-/// is paint as grey as the reflectance says. Closed surfaces of foliage are canopy.
+/// Returns the shade of the material's label: from `looks` if it is there, else a built-in one; an
+/// unknown label is paint as grey as the reflectance. Closed surfaces of foliage are canopy.
 [[nodiscard]] Shade shade_of(const Material& material, const std::vector<SurfaceLook>& looks);
 
-/// A soil by its name, from `looks` or built in; nothing when nobody knows it: then it looks like
-/// the terrain's material.
+/// Returns the shade of a soil by its name, from `looks` or built in; nullopt if the name is
+/// unknown: it then looks like the terrain's material.
 [[nodiscard]] std::optional<Shade> shade_of_soil(std::string_view name,
                                                  const std::vector<SurfaceLook>& looks);
 

@@ -1,4 +1,4 @@
-// Dry friction that can stand still: an elasto-plastic bristle, solved implicitly, clamped last.
+// Dry friction with true sticking: an elasto-plastic bristle, solved implicitly, clamped last.
 //
 //     z' = u - |V| z / sigma,    F = -(k z + c z'),    |F| <= limit
 //
@@ -13,10 +13,11 @@
 //     b = 1 + h |V| / sigma,   A = (k - c |V| / sigma) / b,   offset = -A z,   gain = A h + c.
 //
 // The caller puts `gain` on the left-hand side of its velocity solve and `offset` on the right, and
-// only then compares |F| with the limit; where it is exceeded, F is set to the limit, the solve is
-// repeated without the gain, and the bristle yields: it slides on, and is bent by no more than the
-// limit bends it. Not z = -F / k: where the damper had its part in F, that would put more into the
-// bristle than the way has. Testing before solving hums for ever at low speed.
+// only then compares |F| with the limit. If |F| exceeds it, F is set to the limit, the solve is
+// repeated without the gain, and the bristle yields: it slides, and its deflection is at most that
+// at which spring and damper reach the limit. It is not set to z = -F / k: where the damper
+// contributed to F, that would add more deflection than the sliding distance. Testing the limit
+// before solving causes endless chatter at low speed.
 #pragma once
 
 #include <algorithm>

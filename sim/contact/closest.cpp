@@ -111,7 +111,7 @@ class Pair {
                                  R_BA_(1, 2), R_BA_(2, 0), R_BA_(2, 1), R_BA_(2, 2)});
     input.m_transformA.setOrigin(bullet(p_BA_ + shift));
     input.m_transformB.setIdentity();
-    // Without a greatest distance: stopped early, the detector's direction means nothing.
+    // No maximum distance is set: the direction of a detector that stops early is meaningless.
     Proposal proposal;
     detector.getClosestPoints(input, proposal, nullptr);
     const double length = proposal.normal.norm();

@@ -1,11 +1,11 @@
-// How far apart two convex solids are, and which way they part.
+// Distance between two convex solids, and the direction that separates them.
 //
 // For a unit direction n the gap along it, gap(n) = min over A of p . n - max over B of p . n,
-// costs two support points and is never above the signed distance; that is the greatest gap over
-// all n, and the n which has it is the normal. GJK and EPA (Bullet in double precision, margin 0,
-// poses taken relative to B) propose normals; what is reported is gap(n) of the best one, not GJK's
-// own number. A proposal whose number differs from its gap by more than a micrometre is asked for
-// again with A moved by 0.2 mm. That mends the few wrong normals of exactly touching bodies.
+// costs two support points and never exceeds the signed distance; that is the maximum gap over all
+// n, and the normal is the n that attains it. GJK and EPA (Bullet in double precision, margin 0,
+// poses taken relative to B) propose normals; the result is gap(n) of the best one, not GJK's own
+// number. A proposal whose number differs from its gap by more than a micrometre is computed again
+// with A moved by 0.2 mm. That repairs the few wrong normals of exactly touching bodies.
 //
 // Error against closed forms: gap 5e-6 m, normal 0.1 degrees (tests/sim/contact/closest_test.cpp).
 // Deep overlaps: the shortest way out, or the way kept from before.
@@ -41,12 +41,13 @@ struct PlacedShape {
 [[nodiscard]] double gap_along(const PlacedShape& a, const PlacedShape& b,
                                const Eigen::Vector3d& normal_W);
 
-/// The gap of a pair that is farther apart than `reach_m` is a lower bound along some axis. `kept`
-/// are the pair's normal of the step before as it stands in the world, and as it turns with A: one
-/// that parts the bodies by more than the reach spares everything else, one on which they are close
-/// competes with what is found anew, and while they overlap by more than a third of the thinner one
-/// only what is found within 30 degrees of them counts, so that nothing is pushed out at its far
-/// side. Allocates nothing; reentrant.
+/// Computes the separation of two shapes. If they are farther apart than `reach_m`, the gap is a
+/// lower bound along some axis. `kept` holds the pair's normal of the previous step twice: fixed in
+/// the world, and turned with A. If one of them separates the bodies by more than the reach,
+/// nothing else is computed; if the bodies are close along it, it competes with new proposals;
+/// while they overlap by more than a third of the thinner body, only proposals within 30 degrees of
+/// a kept normal count, so that nothing is pushed out at its far side. Allocates nothing;
+/// reentrant.
 [[nodiscard]] Separation separation(const PlacedShape& a, const PlacedShape& b, double reach_m,
                                     std::span<const Eigen::Vector3d> kept = {});
 

@@ -1,19 +1,19 @@
-// One point at which a machine's body meets something solid, as a solver of velocities sees it:
+// One contact point between a machine's body and something solid, as a velocity solver sees it:
 // three directions, in each a force linear in the velocity at the step's end, and limits.
 //
 // Along the normal, with overlap d (negative: a gap) and u the speed at which the bodies part,
 //
 //     F = k (d - h u) - c(d) u,    0 <= F <= greatest
 //
-// where greatest is what the weaker of the two bears: beyond it the obstacle gives way, or the body
-// is bent in for good, or the soil is pressed in. A dent counts as no overlap: spring and slider in
-// series (Maxwell), so that what the slider has gone is lost and what the spring holds comes back.
-// The law is implicit, so that no stiffness asks for a smaller step; the gap counts, so that the
-// force begins where the gap would close within the step (speculative); the damping c sets in over
-// the first millimetre of overlap, so that the force is continuous in the depth. Across: a bristle
-// in each of two directions (bristle.h), together within the cone of friction. The solver puts
-// acting() on both sides of its system and calls changes() with the velocities found until nothing
-// does (clamp last), then settle().
+// where `greatest` is the strength of the weaker of the two: beyond it the obstacle yields, the
+// body is dented permanently, or the soil is pressed in. A dent counts as no overlap: spring and
+// slider in series (Maxwell), so that the slider's travel is lost and the spring's deflection comes
+// back. The law is implicit, so that no stiffness requires a smaller step. Gaps count, so that the
+// force begins where the gap would close within the step (speculative). The damping c sets in over
+// the first millimetre of overlap, so that the force is continuous in the depth. Tangentially there
+// is a bristle in each of two directions (bristle.h), together within the friction cone. The solver
+// puts acting() on both sides of its system and calls changes() with the velocities found until
+// nothing changes (clamp last), then settle().
 //
 // Energy: the spring is stored, all else is lost; lost_j() never falls by more than the solver's
 // order of step (docs/accuracy).
@@ -39,7 +39,7 @@ struct ContactLaw {
   double greatest_n = 1e300;  ///< Force at which the weaker body yields.
   bool dents = false;         ///< The machine's body yields.
   bool sinks = false;         ///< The soil yields.
-  /// Share of the overlap by which the machine's body gives way; the obstacle takes the rest.
+  /// Share of the overlap that is the machine's body's compression; the obstacle takes the rest.
   double body_share = 1.0;
   double bristle_npm = 5e5;  ///< Tangential stiffness.
 };
@@ -95,7 +95,7 @@ struct ContactPoint {
     for (std::size_t i = 0; i < 2; ++i) {
       force[i + 1] = friction.across[i].force(bristle(), h, 0.0);
     }
-    // What gives way is condensed into the law (movers.h).
+    // The motion of the other body is condensed into the law (movers.h).
     for (std::size_t i = 0; i < 3; ++i) {
       const double share = 1.0 / (1.0 + h * force[i].gain * other_1pkg[i]);
       force[i] = {share * (force[i].offset + force[i].gain * other_mps[i]), share * force[i].gain};
@@ -165,8 +165,8 @@ struct ContactPoint {
     return changed;
   }
 
-  /// Ends the step with the velocities found. The work that the point has done over it on the
-  /// machine, and on what it meets, J.
+  /// Ends the step with the velocities found. Returns the work that the point has done over the
+  /// step on the machine and on the other body, J.
   double settle(double h, const std::array<double, 3>& found) {
     double work = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -187,8 +187,8 @@ struct ContactPoint {
     return work;
   }
 
-  /// What it meets has gone by `ahead_m` along the three directions, beyond what settle() has taken
-  /// for its way: the bristles bend by it.
+  /// Bends the bristles by `ahead_m` along the three directions: how far the other body has moved
+  /// beyond the travel that settle() has assumed.
   void follow(const std::array<double, 3>& ahead_m) {
     if (released) {
       return;

@@ -1,4 +1,4 @@
-// What a machine tells of its contacts with solid things, for truth tap, status and report.
+// A machine's report of its contacts with solid things, for truth tap, status and report.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -16,7 +16,7 @@ struct LeaningObstacle {
   double angle_rad = 0.0;
   Eigen::Vector3d axis_W = Eigen::Vector3d::UnitX();  ///< About which it leans, level.
   double rate_radps = 0.0;
-  bool down = false;  ///< Has no strength left: falls without contact ...
+  bool down = false;  ///< No strength left: it falls without contact ...
   bool lies = false;
   bool solid = false;  ///< ... until it lies clear of the machine (Ground::lay()).
 
@@ -40,12 +40,12 @@ struct ContactReport {
   double deepest_m = 0.0;  ///< Overlap of rigid bodies, without dents and the bending of trees.
   double pressed_m = 0.0;  ///< Compression of the tyre that is pressed in most.
   double dent_m = 0.0;     ///< Depth of the machine's deepest permanent dent.
-  /// Greatest depth to which a body that pushes the terrain has pressed it in.
+  /// Maximum depth to which a body that pushes the terrain has pressed it in.
   double sunk_m = 0.0;
   double lost_j = 0.0;  ///< Energy lost since the start as heat and in broken wood.
   double deepest_ever_m = 0.0;
   std::uint64_t touches = 0;  ///< Number of times that a pair began to push, since the start.
-  std::uint32_t felled = 0;   ///< Obstacles that gave way altogether.
+  std::uint32_t felled = 0;   ///< Obstacles that have been felled.
 };
 
 }  // namespace rigwire::sim

@@ -47,7 +47,7 @@ bool wall_near(const Ground& ground, const ContactBody& body, const Eigen::Isome
   constexpr double kApart_m = 0.1;
   constexpr double kAhead_m = 0.15;
   const double radius = body.shape.half_lengths_m().x();
-  // The most slippery ground is climbed least.
+  // A drum's climb is lowest on frictionless ground.
   const double climbs = body.climb.radius_m > 0.0 ? body.climb.height_m(0.0) / radius : 1.0;
   const double wall = std::max(kRollsOver, std::min(kSteep, 1.0 - climbs));
   const double half_length = body.shape.half_lengths_m().z();
@@ -117,7 +117,7 @@ bool rolls_on(const ContactBody& body, const Eigen::Isometry3d& X_WS) {
   return body.rolls && std::abs(X_WS.linear()(2, 2)) < kOnItsSide;
 }
 
-// Whether a body whose machine knows what it stands on runs into this of the terrain.
+// Whether terrain with this normal blocks a body whose machine models its own support.
 bool in_the_way(const ContactBody& body, const Eigen::Matrix3d& R_WL, const Vector& normal_W,
                 double friction) {
   double steepest = body.rolls ? kRollsOver : kSteep;
@@ -270,7 +270,7 @@ void ContactSet::follow_others() {
   }
 }
 
-/// The least height of the body's surface above the terrain.
+/// Minimum height of the body's surface above the terrain.
 double ContactSet::above_terrain_m(const ContactBody& body, std::size_t index,
                                    const ContactLink& link) {
   const Eigen::Isometry3d X_WS = link.X_WL * body.X_LS;
@@ -451,7 +451,7 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     met.friction = obstacle.friction;
     met.strength_nm = strength_of(pair.obstacle);
     met.foot_W = obstacle.foot_W();
-    // What has stopped it goes on to, however far its tyre gives way.
+    // An obstacle that has stopped a wheel still stops it, however far the tyre is compressed.
     meets = met.strength_nm > 0.0 && !(body.rolls && carried_ != Carried::by_contact &&
                                        !pair.memory.met() && rolls_over(body, pair.obstacle, link));
   }
@@ -731,8 +731,8 @@ void ContactSet::finish(double h, double work_j) {
     const bool before = pair.pushing;
     pair.pushing = false;
     pair.memory.settling();
-    // What lies loose before a wall gives way less than predicted: its springs are pressed farther
-    // than what pushed them has worked for.
+    // A loose body in front of a wall yields less than predicted: its springs are compressed
+    // farther than the work done on them accounts for.
     const bool loose = siblings_ == nullptr && mover_of(pair.obstacle) != nullptr;
     double put_in = 0.0;
     std::size_t i = 0;
@@ -757,7 +757,7 @@ void ContactSet::finish(double h, double work_j) {
         ground_->loose()->push(*point.mover, point.p_W, -h * force);
       }
       double& deepest = bodies_[point.body].soft ? report_.pressed_m : report_.deepest_m;
-      // A tree bends as a whole: what its stem gives way is no overlap.
+      // A tree bends as a whole: its stem's deflection is no overlap.
       const bool bends = !point.mover && !point.terrain;
       deepest = std::max(deepest, (bends ? point.law.body_share : 1.0) * depth + point.rest_m);
       if (point.force_n[0] > 0.0 || point.blocks) {
@@ -849,7 +849,7 @@ void ContactSet::fall(double h) {
     lean.rate_radps = std::max(0.0, lean.rate_radps) +
                       h * 1.5 * kGravity_mps2 / tree.tree_height_m * std::sin(lean.angle_rad);
     lean.angle_rad += h * lean.rate_radps;
-    // It lies where its tapering stem meets the terrain.
+    // The tree comes to lie when its tapering stem touches the terrain.
     const Vector foot = tree.foot_W();
     const Vector along = Eigen::AngleAxisd(lean.angle_rad, lean.axis_W) * tree.X_WO.linear().col(2);
     bool meets = lean.angle_rad >= kMost_rad;

@@ -1,42 +1,42 @@
 // A machine's bodies against the solid things of its ground, step by step.
 //
-// The machine names its bodies once, each a convex shape on one of its links; the links of one
-// machine do not meet each other (their end stops do). In every inner step:
+// The machine registers its bodies once, each a convex shape on one of its links. Links of one
+// machine do not collide with each other; their end stops limit them. In every inner step:
 //
-//     begin()    poses at the step's start -> who is near -> points with their laws
-//     points()   the solver puts acting() of each into its equations, asks changes() in each pass
-//     settle()   the step's end: bristles, trunks that give way, the account of energy
+//     begin()    poses at the step's start -> near bodies -> points with their laws
+//     points()   the solver puts acting() of each into its equations, calls changes() in each pass
+//     settle()   the step's end: bristles, yielding trunks, the energy balance
 //
-// Broad phase: the ground's bins, asked with boxes grown by half a metre, and asked again when the
-// fastest point of the machine can have come that far. While nothing is in there a step costs one
-// comparison. Narrow phase: closest.h with the axis kept from the step before, and not before the
-// body can have come as near as it was far; manifold.h.
+// Broad phase: the ground's bins are queried with boxes grown by half a metre, and again when the
+// machine's fastest point may have moved that far. While they are empty a step costs one
+// comparison. Narrow phase: closest.h with the axis kept from the previous step, and only once the
+// body may have closed the distance last found; then manifold.h.
 //
-// What a pair keeps from step to step, so that it adds no energy: pair_memory.h.
+// The state that a pair keeps from step to step adds no energy: pair_memory.h.
 //
-// What a body bears: crush_n of one point, rising with the depth of its dent (the A and B of crash
+// Strength of a body: crush_n per point, rising with the depth of its dent (the A and B of crash
 // reconstruction: Campbell, SAE 740565; CRASH3, DOT-HS-805-732, there per width of the front).
-// Beyond it the body is bent in for good (dents.h), and what that took is lost. A point that comes
-// into a contact where the body is not bent yet takes the dent with it, so that no spring is
-// pressed further than the contact's others: ploughing on costs what friction does.
+// Beyond it the body is dented permanently (dents.h), and the work of denting is lost. A point that
+// enters a contact where the body is not dented yet takes over the contact's dent, so that no
+// spring is compressed further than the contact's others: ploughing on then costs only friction.
 //
-// Bodies meet the terrain by points of their surface against its heights, what rolls by its whole
-// side (round_side.h): the deepest, and up to three more, as far apart as they are; those of the
-// step before have the preference, so that what lies on more than four comes to rest. Together they
-// bear the pressure under which the soil fails (soil_bearing.h) over the area in which the terrain
-// cuts the body; beyond it the soil is pressed in for good where the point is, and not where it
-// goes from there. What a body is in when first seen is pressed in already. What lies loose is met
-// like obstacles (movers.h).
+// Bodies contact the terrain with points of their surface against its heights, rolling bodies with
+// their whole side (round_side.h): the deepest point and up to three more, as far apart as
+// possible; those of the previous step have preference, so that a body lying on more than four
+// comes to rest. Together they bear the pressure at which the soil fails (soil_bearing.h) over the
+// area in which the terrain cuts the body; beyond it the soil is pressed in permanently at the
+// point's place, and not where the point moves from there. Terrain that a body overlaps when first
+// seen is pressed in already. Loose bodies are contacted like obstacles (movers.h).
 //
-// What an obstacle bears: Obstacle::strength_nm, a moment about its foot. Where the sum of the
-// points' horizontal forces times their heights would pass it, the obstacle gives way: it leans
-// away from the push about its foot, at constant moment up to 0.1 rad, at one that falls to nothing
-// at 0.4 rad; from there on it is down and met no more (contact.md 7; estimates). A tree that is
-// down falls as a rod does that turns about its foot, until its trunk meets the ground. There it is
-// met again, lying, as soon as nothing of the machine is in it or as near as a tenth of a metre.
+// Strength of an obstacle: Obstacle::strength_nm, a moment about its foot. Where the sum of the
+// points' horizontal forces times their heights would exceed it, the obstacle yields: it leans away
+// from the push about its foot, at constant moment up to 0.1 rad, then at one that falls to zero at
+// 0.4 rad; from there on it is down and has no contact (contact.md 7; estimates). A falling tree
+// turns about its foot like a rod until its trunk hits the ground. It is solid again, lying, as
+// soon as no part of the machine is within a tenth of a metre of it.
 //
 // Deterministic; after construction begin(), settle() and all queries allocate nothing and throw
-// nothing. Pairs and points beyond the room reserved are counted in dropped().
+// nothing. dropped() counts pairs and points beyond the reserved capacity.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -81,8 +81,8 @@ struct ContactBody {
   bool meets_terrain = false;
   double spacing_m = 1.0;
   bool meets_obstacles = true;  ///< Contacts obstacles and loose bodies.
-  /// Distance from the wheel's middle down along its link's z to the greatest height that it rolls
-  /// over (Ground::rises_above), balls excepted or not.
+  /// Distance from the wheel's middle down along its link's z to the maximum height that it rolls
+  /// over (Ground::rises_above).
   double step_below_m = 0.0;
   bool rolls_over_balls = true;
   /// Replaces the two above for a drum, which is rigid (ContactSet::climb).
@@ -124,8 +124,9 @@ enum class Carried : std::uint8_t {
 class ContactSet {
  public:
   /// `links`: how many the bodies' indices may name. `ground` must outlive the set. `siblings`: the
-  /// bodies are themselves what lies loose on the ground, in the same order; each meets those after
-  /// it, and its solver has both sides. Null: a machine, that meets all of them and pushes them.
+  /// bodies are themselves the loose bodies on the ground, in the same order; each contacts those
+  /// after it, and its solver has both sides. Null: a machine, which contacts and pushes all loose
+  /// bodies.
   ContactSet(std::vector<ContactBody> bodies, std::size_t links, const Ground& ground,
              const Movers* siblings = nullptr);
 

@@ -12,7 +12,7 @@ namespace {
 using Vector = Eigen::Vector3d;
 
 constexpr double kFlat_m = 1e-9;      // Points this near a face's plane belong to it.
-constexpr int kRimPoints = 8;         // Corners of the polygon that stands for a cap.
+constexpr int kRimPoints = 8;         // Corners of the polygon that approximates a cap.
 constexpr double kSameNormal = 1e-9;  // 1 - cosine.
 
 void check_length(double length_m, const char* what) {

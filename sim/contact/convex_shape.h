@@ -1,8 +1,8 @@
-// A convex solid as contact sees it: how far it reaches in a direction, and what of its surface
-// faces that way.
+// A convex solid for contact: its extent in a direction, and the part of its surface that faces
+// that way.
 //
-// Shapes stand about their own frame S. Boxes, cylinders (axis z) and spheres are exact, hulls are
-// those of at most kMostHullPoints points. Queries allocate nothing.
+// Each shape has its own frame S, with the shape about its origin. Boxes, cylinders (axis z) and
+// spheres are exact, hulls are those of at most kMostHullPoints points. Queries allocate nothing.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -65,8 +65,8 @@ class ConvexShape {
   /// Radius of the sphere about S's origin that contains the shape.
   [[nodiscard]] double reach_m() const { return reach_; }
 
-  /// Corners and points of the surface by which the shape meets the terrain: a box's corners, both
-  /// rims of a cylinder, a hull's points.
+  /// Returns points of the surface for contact with the terrain: a box's corners, both rims of a
+  /// cylinder, a hull's points.
   [[nodiscard]] std::vector<Eigen::Vector3d> outline() const;
   /// Returns outline(); for a box, also points all over its faces, at most `spacing_m` apart.
   [[nodiscard]] std::vector<Eigen::Vector3d> surface(double spacing_m) const;

@@ -1,8 +1,8 @@
-// How far the bodies of a machine are bent in for good, and where.
+// Permanent dents of a machine's bodies: how deep, and where.
 //
-// A dent is a patch of one body's surface, seen from one side, as deep everywhere as at its
-// deepest; patches of the same side that meet grow together. Whatever comes to the patch later
-// meets it where it has been left, not where the sheet metal once was.
+// A dent is a patch of one body's surface, seen from one side, everywhere as deep as at its
+// deepest; overlapping patches of the same side are merged. Later contacts at the patch touch the
+// dented surface, not the original one.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -362,8 +362,8 @@ void LooseBodies::solve(double h, std::uint32_t island) {
 }
 
 /// Finds the mobility of each body of the island that machines push: blocks of the inverse of the
-/// island's system over a step of the machine, with k H + c in place of k h + c. Soil that yields
-/// counts as a spring: it gives way to the force that it bears, and not to less.
+/// island's system over a step of the machine, with k H + c in place of k h + c. Yielding soil
+/// counts as a spring: it yields only under its full bearing force.
 void LooseBodies::find_mobilities(double h, std::uint32_t island, std::size_t size) {
   const auto pushed = [this](std::uint32_t i) { return !states_[i].impulse_W.isZero(); };
   if (std::ranges::none_of(members_, pushed)) {
@@ -467,7 +467,7 @@ double LooseBodies::step(double h) {
     mover.X_WM.translation() += h * mover.v_W;
     double rate = mover.w_W.norm();
     if (state.touches && rate > 0.0) {
-      // Dry: at most until it stands.
+      // Rolling resistance is dry friction: it can only stop the rotation, not reverse it.
       const Vector w_B = mover.X_WM.linear().transpose() * mover.w_W;
       const double inertia = w_B.dot(bodies_[i].inertia_kgm2.cwiseProduct(w_B)) / (rate * rate);
       const double torque = bodies_[i].rolling_resistance * bodies_[i].mass_kg * gravity_mps2 *

@@ -1,22 +1,21 @@
-// Rocks and crates that lie loose: rigid bodies that fall, slide, roll, stack and come to rest on
-// terrain, on fixed obstacles and on each other, and that machines push and lift.
+// Loose rocks and crates: rigid bodies that fall, slide, roll, stack and come to rest on terrain,
+// on fixed obstacles and on each other, and that machines push and lift.
 //
-// One linearly implicit step in the manner of a machine's own (contact_set.h, contact_point.h):
-// velocities of all bodies that touch each other are found in one system, contacts as one-sided
-// springs with bristles, active set by passes. Bodies that touch nothing together are solved apart.
+// Each step is linearly implicit, like a machine's own (contact_set.h, contact_point.h): one system
+// gives the velocities of all bodies that touch each other, with contacts as one-sided springs with
+// bristles, and the active set found by passes. Groups that do not touch are solved separately.
 //
-// Steps are of a millisecond at most, whatever the machine's.
+// Steps are at most a millisecond long, whatever the machine's step.
 //
 // Rest: a body whose points have been slower than 5 mm/s for half a second rests; it stays where it
 // is, to the bit, until it is pushed by a machine, hit by another body that moves, or the terrain
 // under it changes. Bodies at rest cost nothing.
 //
-// Kinetic and potential energy with that in springs never rises but by what machines put in:
-// backward Euler loses, by about h g v m in free fall.
+// The sum of kinetic, potential and spring energy rises only by the work of machines: backward
+// Euler loses energy, about h g v m in free fall.
 //
-// What rolls on soil is braked by it: while it touches something, a torque of rolling_resistance
-// times its weight at its greatest radius opposes its turning, so that a rock which is nearly round
-// comes to rest.
+// Soil brakes rolling bodies: while a body touches something, a torque of rolling_resistance times
+// its weight at its maximum radius opposes its rotation, so that a nearly round rock comes to rest.
 //
 // Deterministic; advance() allocates nothing once as many bodies have moved together as ever will.
 #pragma once
@@ -80,7 +79,7 @@ class LooseBodies final : public Movers {
     Eigen::Vector3d impulse_W = Eigen::Vector3d::Zero();  ///< By machines, over one advance().
     Eigen::Vector3d turn_W = Eigen::Vector3d::Zero();
     double calm_s = 0.0;
-    std::uint32_t island = 0;  ///< The least of the bodies that it touches something with.
+    std::uint32_t island = 0;  ///< Lowest index among the bodies connected to it by contacts.
     std::uint32_t place = 0;   ///< In the island's system.
     bool touches = false;
   };

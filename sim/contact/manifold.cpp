@@ -80,7 +80,8 @@ Outline clipped(Outline subject, const Outline& polygon) {
   for (std::size_t i = 0; i < polygon.count && subject.count > 0; ++i) {
     const Vector& from = polygon.corners[i];
     const Vector edge = polygon.corners[(i + 1) % polygon.count] - from;
-    // A trunk's line lies on the very edge of a corner that it meets: within, by a millimetre.
+    // A trunk's line runs exactly along the edge of a corner that it touches: it counts as inside,
+    // by a millimetre.
     const double beside = kSamePoint_m * edge.head<2>().norm();
     const auto inside = [&](const Vector& p) { return cross(edge, p - from) + beside; };
     Outline next;
@@ -193,7 +194,8 @@ Manifold manifold(const PlacedShape& a, const PlacedShape& b, const Separation& 
     gaps[i] = height(of_a, both.corners[i]) - height(of_b, both.corners[i]);
     least = std::min(least, gaps[i]);
   }
-  // The least gap is the pair's: what a rim's polygon cuts off, and a lone point beside a slope.
+  // The minimum gap is set to the pair's: it differs where a polygon cuts a rim off, and for a lone
+  // point beside a slope.
   for (std::size_t i = 0; i < both.count; ++i) {
     gaps[i] += separation.gap_m - least;
   }

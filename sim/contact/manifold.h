@@ -1,11 +1,11 @@
-// Where two convex bodies touch: up to four points of what their surfaces share, seen along the
-// normal, each with its own gap.
+// Contact points of two convex bodies: up to four points of the area that their surfaces share,
+// seen along the normal, each with its own gap.
 //
 // The features that face each other (convex_shape.h) are clipped against each other in the plane
-// across the normal; each corner of what is left has the gap of the two features' planes there. A
-// point that joins or leaves at a turn to another feature does so with a gap, not with an overlap,
-// as long as the features are wider than they are deep in each other; so forces do not jump. The
-// least gap is the pair's own.
+// across the normal; each corner of the result has the gap of the two features' planes there. When
+// a rotation changes the features, points appear and vanish with a gap, not with an overlap, as
+// long as the features are wider than their overlap is deep; so forces do not jump. The minimum gap
+// is the pair's own.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -28,7 +28,7 @@ struct Manifold {
   std::size_t count = 0;
 };
 
-/// Points with gaps up to `reach_m`; at least one. Allocates nothing.
+/// Returns points with gaps up to `reach_m`; at least one. Allocates nothing.
 [[nodiscard]] Manifold manifold(const PlacedShape& a, const PlacedShape& b,
                                 const Separation& separation, double reach_m);
 

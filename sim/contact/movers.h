@@ -1,4 +1,5 @@
-// Solid things that move by themselves, as machines meet them: rocks and crates that lie loose.
+// Loose solid things that move by themselves, as seen by machines that touch them: rocks and
+// crates.
 //
 // A machine's contact with one is solved in the machine's own step, with the other's mass condensed
 // into the law of each point. With u the velocity of the machine's surface, w the mobility of the
@@ -58,8 +59,8 @@ class Movers {
   /// An impulse that one is given at p_W, N s; it acts in the next advance().
   virtual void push(std::size_t mover, const Eigen::Vector3d& p_W,
                     const Eigen::Vector3d& impulse_W) = 0;
-  /// All move on by h seconds, with the impulses of the machine's step of that length: they stand
-  /// one inner step behind it. The fastest speed that any point of one has, m/s.
+  /// Advances all by h seconds, with the impulses of the machine's step of that length; they lag
+  /// the machine by one inner step. Returns the maximum speed of any of their points, m/s.
   virtual double advance(double h) = 0;
 };
 

@@ -1,12 +1,12 @@
-// What a pair of bodies keeps of its points of contact from one step to the next, and the rules
-// that make of it no source of energy.
+// State of a pair's contact points kept from one step to the next, and the rules that prevent it
+// from adding energy.
 //
-// Points join, leave and merge as bodies turn. A point found again near its place keeps its
-// friction, the directions turned with the normal; each place is one point's alone. What a pair is
-// in when it is first met holds nothing: it counts as no overlap until the pair has left it, so
-// that it can go out and not farther in. The springs of a pair never hold more at the start of a
-// step than they did at the end of the one before (and a tenth of a millimetre's worth): where its
-// points would, all are softer by that share.
+// Points appear, vanish and merge as bodies turn. A point found again near its old place keeps its
+// friction, with the directions turned with the normal; each place belongs to one point only. An
+// overlap at a pair's first contact exerts no force: it counts as no overlap until the pair has
+// left it, so that the body can move out but not farther in. The springs of a pair never store more
+// at the start of a step than at the end of the previous one (plus a tenth of a millimetre's
+// worth): where they would, all are softened in proportion.
 //
 // A step begins with a PairMemory::Step: remember() for each point, then start() for all; after the
 // solve settling(), and settled() for each. Or part().

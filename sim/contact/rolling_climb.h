@@ -31,8 +31,7 @@ struct RollingClimb {
   double helped_rad = 0.0;
   double run_m = 0.0;  ///< v^2 / g.
 
-  /// Returns the greatest height above its lowest line that it climbs, on something of that
-  /// friction.
+  /// Returns the maximum height above its lowest line that it climbs on something of that friction.
   [[nodiscard]] double height_m(double friction) const {
     const double steepest = radius_m * (1.0 - kSteepest);
     const double angle = std::atan(grip * friction) + helped_rad;

@@ -95,7 +95,7 @@ void nearest_on_side(const Ground& ground, const ConvexShape& cylinder,
   Vector down = axis.z() * axis - Vector::UnitZ();
   down = down.squaredNorm() > 1e-12 ? down.normalized() : Vector(X_WS.linear().col(0));
   Circle circle{&ground, {}, radius * down, radius * axis.cross(down)};
-  // Over an edge the gap may rise from its least to the next sample by all the way between.
+  // Over an edge, the gap at the next sample may exceed the minimum by the whole distance between.
   const double slack = radius * kStep_rad;
   std::array<double, kSteps + 1> gap{};
   for (int k = 0; k < kCircles; ++k) {

@@ -1,10 +1,11 @@
-// Where the side of a cylinder that rolls comes nearest to the terrain.
+// Finds where the side of a rolling cylinder comes nearest to the terrain.
 //
-// On three circles across it, its rims and its middle: along the lower half of each the places
-// where the gap to the terrain has a minimum. On even ground that is one line below the axle, which
-// stays there as the cylinder rolls; in a corner there are two. Over an edge, where the terrain's
-// normal jumps from n1 to n2 within the minimum, the normal is the one between them that stands
-// upright on the circle, so that what rolls over an edge turns about it.
+// Three circles across the cylinder are searched, its rims and its middle: on the lower half of
+// each, the places where the gap to the terrain has a minimum. On even ground that is one line
+// below the axle, which stays there as the cylinder rolls; in a corner there are two. Over an edge,
+// where the terrain's normal jumps from n1 to n2 within the minimum, the result is the normal
+// between them that is perpendicular to the circle, so that a cylinder rolling over an edge turns
+// about it.
 //
 // A point inside the terrain is as deep as the plane of the terrain above it says.
 #pragma once

@@ -24,7 +24,7 @@ class SoilBearing {
  public:
   explicit SoilBearing(const SoilParameters& soil);
 
-  /// At a depth of at least 0 under a width of at least 0. Never below 1 kPa.
+  /// Returns the pressure that the soil bears, at least 1 kPa. Depth and width must be at least 0.
   [[nodiscard]] double pressure_pa(double depth_m, double width_m) const;
 
  private:

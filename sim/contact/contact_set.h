@@ -82,7 +82,7 @@ struct ContactBody {
   double spacing_m = 1.0;
   bool meets_obstacles = true;  ///< Contacts obstacles and loose bodies.
   /// Distance from the wheel's middle down along its link's z to the maximum height that it rolls
-  /// over (Ground::rises_above).
+  /// over (Ground::rises_above); with rolls_over_balls, it rolls over balls of any height.
   double step_below_m = 0.0;
   bool rolls_over_balls = true;
   /// Replaces the two above for a drum, which is rigid (ContactSet::climb).

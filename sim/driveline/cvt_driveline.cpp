@@ -7,7 +7,7 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr double kUsed = 0.9;  // of the engine's greatest speed, before the next range
+constexpr double kUsed = 0.9;  // share of the engine's maximum speed before the next range
 
 const CvtParameters& checked(const CvtParameters& parameters) {
   validate(parameters);

@@ -58,11 +58,12 @@ class Driveline {
   Driveline(const Driveline&) = delete;
   Driveline& operator=(const Driveline&) = delete;
 
-  /// Takes engine control, gear, group and locks; a request that cannot be met now (a lock while
-  /// its wheels differ too much, a group change while rolling) waits, and shows as requested.
+  /// Applies engine control, gear, group and locks. A request that cannot be executed yet (a lock
+  /// while its wheels differ too much, a group change while rolling) waits, and is reported as
+  /// requested.
   virtual void command(const VehicleCommand& command) = 0;
 
-  /// What is wrong with its engine, until the next.
+  /// Sets the engine's defects, until the next call.
   virtual void fail(const PowerUnitDefects& defects) = 0;
 
   /// Begins a step: lags, shift sequence, lock engagement. May change `rates` where coupling parts

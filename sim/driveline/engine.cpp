@@ -55,7 +55,7 @@ EngineData engine_data(const EngineParameters& parameters) {
     data.reference_torque_nm = std::max(
         data.reference_torque_nm, data.full_load[i].torque_nm + data.full_load[i].friction_nm);
   }
-  // The greatest indicated torque is at a corner of the curve.
+  // The maximum indicated torque is at a corner of the curve.
   for (const TorquePoint& corner : parameters.full_load) {
     data.reference_torque_nm = std::max(data.reference_torque_nm,
                                         corner.torque_nm + engine.friction_nm(corner.speed_radps));

@@ -51,8 +51,9 @@ class Engine {
   double integral_nm_ = 0.0;
 };
 
-/// Limit of the crank's torque as a share of full load at that speed, 0 .. 1, for `torque_share` of
-/// `reference_nm`, the greatest torque in the cylinders (EngineData::reference_torque_nm).
+/// Returns the limit of the crank's torque as a share of full load at that speed, 0 .. 1, for
+/// `torque_share` of `reference_nm`, the maximum torque in the cylinders
+/// (EngineData::reference_torque_nm).
 [[nodiscard]] double limit_share(const Engine& engine, double reference_nm, double torque_share,
                                  double speed_radps);
 

@@ -1,10 +1,10 @@
 // Engine, automated friction clutch, step gearbox with crawler group, differentials with locks.
 //
-// A shift ramps engine torque and clutch capacity down, swaps the ratio while nothing is clutched,
-// brings the engine near the new gear's speed, and closes the clutch again; what difference is left
-// the clutch merges, keeping angular momentum. A gear waits while it would turn the engine beyond
-// its greatest speed, or backwards faster than idle; the crawler group changes near standstill
-// only.
+// A shift ramps engine torque and clutch capacity down, changes the ratio with the clutch open,
+// brings the engine near the new gear's speed, and closes the clutch again; the clutch merges the
+// remaining difference of speed, keeping angular momentum. A gear is not engaged while it would
+// turn the engine above its maximum speed, or backwards faster than idle. The crawler group changes
+// only near standstill.
 #pragma once
 
 #include "sim/driveline/clutched_driveline.h"
@@ -30,7 +30,7 @@ class GearedDriveline final : public ClutchedDriveline {
   static constexpr double kSelected = 0.35;
   /// A gear is left for a lower one below this share of that speed.
   static constexpr double kLeft = 0.75;
-  /// Gears with at least this share of the first one's ratio launch.
+  /// The vehicle can launch in gears with at least this share of the first one's ratio.
   static constexpr double kLaunches = 0.45;
 
   void request(const VehicleCommand& command) override;

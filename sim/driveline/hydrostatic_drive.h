@@ -46,9 +46,9 @@ struct HydrostaticDriveParameters {
   double engine_idle_radps = rpm(900);
   double engine_rated_radps = rpm(2200);
   double engine_torque_nm = 265.0;   ///< Maximum engine torque.
-  double engine_drag_nm = 40.0;      ///< The engine's own friction, beside that torque.
+  double engine_drag_nm = 40.0;      ///< The engine's own friction, in addition to that torque.
   double engine_inertia_kgm2 = 0.6;  ///< For its data sheet.
-  double engine_droop = 0.06;        ///< Share of speed lost at greatest torque.
+  double engine_droop = 0.06;        ///< Share of speed lost at maximum torque.
   double engine_time_constant_s = 0.4;
   bool flow_divider = false;  ///< Closed from the start, whatever the command.
   bool bypass = false;        ///< Towing valves open: no pressure, drums turn freely.
@@ -108,9 +108,10 @@ class HydrostaticDrive {
   [[nodiscard]] double gauge_pressure_pa() const;
   [[nodiscard]] double pump_flow_m3ps() const { return pump_flow_m3ps_; }
   [[nodiscard]] double engine_speed_radps() const { return engine_speed_radps_; }
-  /// Share of the engine's greatest torque that the pump takes; negative when it drives the engine.
+  /// Torque that the pump takes, as a share of the engine's maximum; negative when it drives the
+  /// engine.
   [[nodiscard]] double engine_torque_share() const;
-  /// What stands of the engine in data sheet and sample; the rest of the latter is not filled.
+  /// Engine values for data sheet and sample; other members of the sample are not filled.
   [[nodiscard]] EngineData engine_data() const;
   [[nodiscard]] EngineSample engine_sample() const;
   [[nodiscard]] bool divided() const { return divided_; }

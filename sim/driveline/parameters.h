@@ -31,7 +31,7 @@ void visit(fields::Visitor& v, TorquePoint& p);
 [[nodiscard]] std::vector<TorquePoint> unimog_full_load();
 
 struct EngineParameters {
-  /// Rising speeds, at least one point.
+  /// In order of rising speed; at least one point.
   std::vector<TorquePoint> full_load = unimog_full_load();
   double inertia_kgm2 = 1.3;   ///< Crank, flywheel, clutch disc.
   double drag_nm = 60.0;       ///< Friction at standstill, extrapolated.

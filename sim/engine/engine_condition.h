@@ -58,7 +58,7 @@ class EngineCondition {
   /// Moves on by h seconds with the engine at that speed; `indicated_nm` is torque and friction
   /// together, `load_share` 0 .. 1 of what it could be.
   void step(double h, double speed_radps, double indicated_nm, double load_share);
-  /// Fills what stands behind the torques.
+  /// Fills all members that are neither speeds nor torques.
   void read(EngineSample& sample) const;
 
  private:

@@ -79,7 +79,7 @@ void ArmDynamics::hang() {
     outer_mass += link.mass_kg;
     outer_y += link.first_kgm.y();
   }
-  // The arm's y counts from the boom foot's, which may stand beside the swing axis.
+  // The arm's y is measured from the boom foot's, which may be offset from the swing axis.
   const double foot_y = boom_foot_m_.y();
   chain.swing_inertia += foot_y * (2.0 * outer_y + outer_mass * foot_y);
   chain.xy[0] += foot_y * chain.hung_x[0];

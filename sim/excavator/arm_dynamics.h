@@ -3,12 +3,12 @@
 //     M(q) a + bias(q, v) = tau
 //
 // Boom, stick and bucket turn about the same direction, so that Lagrange's equations have a short
-// closed form in the links' absolute angles: a planar chain whose couplings depend on differences
-// of angles only, carried round by the swing, whose inertia about the vertical the angles change.
-// Everything about a link that counts is its mass, first and second moments (products of inertia
-// and centres of mass beside the plane included). The same numbers as composite rigid bodies and
-// recursive Newton-Euler give (tests/support/sim/general_arm_dynamics.h) to rounding, at a fifth of
-// their cost. Cylinders are massless force elements (linkage.h); the undercarriage stands still.
+// closed form in the links' absolute angles: a planar chain whose couplings depend only on
+// differences of angles, rotated by the swing; the angles change its inertia about the vertical. A
+// link enters by its mass, first and second moments (products of inertia and centres of mass off
+// the plane included). The results equal those of composite rigid bodies and recursive Newton-Euler
+// (tests/support/sim/general_arm_dynamics.h) to rounding, at a fifth of their cost. Cylinders are
+// massless force elements (linkage.h); the undercarriage is at rest.
 //
 // Fixed sizes, no allocation. Joint order and angles as in arm_angles.h and parameters.h. Vectors
 // named _U are expressed in the upper structure's frame.

@@ -179,7 +179,7 @@ void BucketSoil::advance(double h, const LinkMotion& bucket) {
     const std::int64_t stays = terrain_.units(held + support * (capacity_.heaped_m3() - held));
     const std::int64_t excess = units_ - stays;
     if (excess > 0) {
-      // Outflow decays exponentially over h, and ends in finite time by a least rate.
+      // Outflow decays exponentially over h, and ends in finite time because of a minimum rate.
       const double share = -std::expm1(-h / parameters_.outflow_time_s);
       const double least =
           kLeastOutflow * static_cast<double>(heaped_units_) * h / parameters_.outflow_time_s;

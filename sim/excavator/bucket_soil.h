@@ -109,7 +109,7 @@ class BucketSoil {
   [[nodiscard]] const BucketCapacity& capacity() const { return capacity_; }
   /// Depth of the lip below the surface ahead, mean over its width; 0 above ground.
   [[nodiscard]] double depth_m() const { return depth_m_; }
-  /// Greatest force of the soil against the lip's way forward, at the last load().
+  /// Maximum force of the soil against the lip's forward motion, at the last load().
   [[nodiscard]] double resistance_limit_n() const { return limit_n_; }
 
  private:

@@ -200,7 +200,7 @@ void CarriedArm::add_wheels(double h) {
     const Eigen::Vector3d center_W = X_WC_ * wheel_C_[i];
     const auto contact = ground_->wheel_contact(center_W, axle_W, wheels.tyre.unloaded_radius_m);
     Footing& foot = footings_[i];
-    // Its wheels stand: nothing is ploughed, and no rut is left.
+    // The wheels do not roll: nothing is ploughed, and no rut is left.
     TyreLaws& laws = tyre_laws_[i];
     laws = tyres_[i].laws(
         h, contact,

@@ -54,7 +54,7 @@ class CarriedArm {
   using Velocities = Eigen::Matrix<double, 10, 1>;
   using SpatialVector = Eigen::Matrix<double, 6, 1>;
 
-  /// Stands at X_WC, the tyres' deflection not yet found. `ground` must outlive it.
+  /// Places the machine at X_WC, with the tyres not yet deflected. `ground` must outlive it.
   CarriedArm(const ExcavatorParameters& parameters, const Ground& ground,
              const Eigen::Isometry3d& X_WC);
 

@@ -7,7 +7,7 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kDustSmoothing_s = 0.1;
-/// Soil that slides over the lip falls at least so far.
+/// Minimum drop height of soil that slides over the lip.
 constexpr double kLeastDrop_m = 0.3;
 constexpr double kNoDust_kgps = 1e-7;
 

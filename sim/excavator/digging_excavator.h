@@ -14,8 +14,8 @@ namespace rigwire::sim {
 
 class DiggingExcavator final : public Machine {
  public:
-  /// Builds the machine. X_WC: the undercarriage's pose. `ground` is changed by digging and must
-  /// outlive the machine; a moving carrier stands on it. The maximum payload is raised to the
+  /// Builds the machine. X_WC: the undercarriage's pose. Digging changes `ground`, which must
+  /// outlive the machine; a moving carrier is supported by it. The maximum payload is raised to the
   /// heaped bucket's capacity of the heaviest soil. Throws std::invalid_argument as Excavator,
   /// BucketSoil and DiggableTerrain do.
   DiggingExcavator(const ExcavatorParameters& parameters, const DiggingParameters& digging,

@@ -132,7 +132,7 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
   const JointVector& lever = at.lever;
   const JointVector x_rate = lever.cwiseProduct(state.v_radps);
 
-  std::array<int, kArmJoints> clamped{};  // -1 at the least force, 1 at the greatest, 0 free.
+  std::array<int, kArmJoints> clamped{};  // -1 at the minimum force, 1 at the maximum, 0 free.
   std::array<int, kArmJoints> drive_switches{};
   std::array<StopState, kArmJoints> stops{};
   std::array<int, kTipResistances> yielded{};

@@ -241,8 +241,8 @@ void Excavator::make_drives() {
 }
 
 void Excavator::settle_on_ground() {
-  // First as in syrup, so that it does not fall into its springs, then free: what cannot stand
-  // goes.
+  // First with heavy damping, so that the machine does not drop onto its springs, then free: an
+  // unstable machine moves.
   constexpr double kSyrup_s = 3.0;
   constexpr double kSyrup_radps = 10.0;
   constexpr double kFree_s = 2.0;

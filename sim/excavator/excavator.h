@@ -1,24 +1,24 @@
-// The excavator as its sensors and its valve driver meet it: spool commands in, motion of every
-// link and the readings of the valve block out.
+// The excavator as its sensors and its valve driver see it: spool commands in; motion of every link
+// and the readings of the valve block out.
 //
-// Chain per inner step: spool lag and dead band -> requested flows -> pump's share, of what the
-// engine lets it give (power_unit.h) -> the drives of the level asked for (ExcavatorLevel) with
-// relief and end stops -> joint motion (driven_arm.h) -> the pumps' load on the engine.
+// Chain per inner step: spool lag and dead band -> requested flows -> pump's share, within what the
+// engine allows (power_unit.h) -> drives of the selected level (ExcavatorLevel) with relief and end
+// stops -> joint motion (driven_arm.h) -> the pumps' load on the engine.
 // Valve sections, everywhere in this class: 0 swing, 1 boom, 2 stick, 3 bucket; then those of the
 // undercarriage (excavator_actuators): left and right track, blade, outriggers; the others are
 // empty. A positive opening turns left, lifts the boom, draws in stick and bucket, drives forward
 // and lowers blade and outriggers: it sends oil to port A and extends the cylinder.
 //
-// Its boxes (SolidBodyParameters) meet the ground's obstacles: each point of contact is a force in
-// the same solve (sim/contact). While one is within reach an inner step is divided into parts that
-// follow the contact (contact_parts: three of 1 ms with the reference machine's numbers), so that
-// neither overlap nor force is the step's doing, however long it is. On level kinematic, where
-// nothing has a force, all drives are slowed together so that no gap closes beyond touching.
+// Its bodies (SolidBodyParameters) contact the ground's obstacles: each contact point is a force in
+// the same solve (sim/contact). While one is within reach, an inner step is divided into parts
+// short enough for the contact (contact_parts: three of 1 ms with the reference machine's numbers),
+// so that neither overlap nor force depends on the step's length. On level kinematic, which has no
+// forces, all drives are slowed together so that no gap closes beyond touching.
 //
-// The undercarriage stands still where it is put, or on its tyres or tracks (ExcavatorCarrier,
-// RunningGear, carried_arm.h). What the ground does to the bucket comes from outside:
-// set_bucket_force, set_bucket_resistances (bucket_load.h). Deterministic: the same parameters,
-// commands and calls give the same bits on one compiler.
+// The undercarriage is fixed where it was placed, or is supported by its tyres or tracks
+// (ExcavatorCarrier, RunningGear, carried_arm.h). The caller sets the ground's forces on the
+// bucket: set_bucket_force, set_bucket_resistances (bucket_load.h). Deterministic: the same
+// parameters, commands and calls give the same bits on one compiler.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -72,7 +72,7 @@ class Excavator final : public Machine,
 
   /// Advances the machine, dividing `span` into inner steps of parameters.step_s and a remainder:
   /// one call with N steps gives the same bits as N calls. span <= 0 changes nothing, not one bit.
-  /// Never throws, never allocates. After a non-finite result the machine stands still in its last
+  /// Never throws, never allocates. After a non-finite result the machine stays at rest in its last
   /// finite state, see non_finite().
   void step(Duration span) override;
 

@@ -1,5 +1,6 @@
 // A rigid plate that lies on the ground and is pressed into it: a piece of a track, the pad of a
-// blade or an outrigger. Good from standstill to any slide, on hard ground and on soft soil.
+// blade or an outrigger. Valid from standstill to any sliding speed, on hard ground and on soft
+// soil.
 //
 // Forces come as ImplicitForce, limits are tested after the machine's solve, as sim/tyre has it:
 //
@@ -10,16 +11,16 @@
 // Vertical: the plate's own spring in a row with Bekker's soil, p = (k_c / b + k_phi) z^n, along
 // Wong's reloading line where it was pressed before (sim/ground/soil.h). Never tensile.
 //
-// Shear (Z. Janosi, B. Hanamoto, 1961): the stress goes with the way j that this piece of the plate
-// has slid since it was laid down, 1 - exp(-j / K) of what friction and cohesion bear. The plate of
-// a track is laid down at its leading end and is passed on: at the distance x from there a shoe has
-// lain for x / V, so that j' = u - (V / x) j, whose steady value is the i x of Wong's integral
-// over the contact (J. Y. Wong, Theory of Ground Vehicles, 4th edition 2008, chapter 4). Below that
-// bound the plate is held by a bristle, five times as stiff as the curve is at its beginning:
-// sheared soil is steep when it is unloaded (an estimate), and a machine stands on a slope without
-// creep. At the bound the law is the curve's tangent along the shear and the bristle's secant
-// across it. Along and across share one j and one bound, so that the moment that resists turning
-// comes by itself.
+// Shear (Z. Janosi, B. Hanamoto, 1961): the stress depends on the distance j that this piece of the
+// plate has slid since it was laid down: 1 - exp(-j / K) of the strength by friction and cohesion.
+// A track's plate is laid down at its leading end and moves backwards: at the distance x from there
+// a shoe has been on the ground for x / V, so that j' = u - (V / x) j, whose steady value is the i
+// x of Wong's integral over the contact (J. Y. Wong, Theory of Ground Vehicles, 4th edition 2008,
+// chapter 4). Below that bound the plate is held by a bristle, five times as stiff as the curve is
+// at its beginning: sheared soil is stiff when it is unloaded (an estimate), and a machine on a
+// slope does not creep. At the bound the law is the curve's tangent along the shear and the
+// bristle's secant across it. Both directions share one j and one bound, which yields the moment
+// that resists turning.
 //
 // Not modelled: sinkage by slip, soil pushed up in front or aside.
 #pragma once
@@ -85,7 +86,7 @@ class GroundPlate {
   PlateParameters parameters_;
   std::array<Bristle, 2> shear_;
   std::array<double, 2> slid_m_{};  ///< j.
-  double sheared_m_ = 0.0;          ///< The greatest |j| of what lies there.
+  double sheared_m_ = 0.0;          ///< Maximum |j| of the soil below.
   bool yields_ = false;             ///< Bent as far as j lets.
   double load_n_ = 0.0;
 };

@@ -57,30 +57,30 @@ class DirectLinkage {
   Turn offset_;
 };
 
-/// The bucket's four-bar. J, where cylinder, idler and link meet, is the intersection of two
-/// circles on the side that `branch` fixes for good, so that a length cannot flip the mechanism
-/// over.
+/// The bucket's four-bar linkage. J, the joint of cylinder, idler and link, is the intersection of
+/// two circles on the side that `branch` fixes permanently, so that a length cannot flip the
+/// mechanism over.
 class BucketLinkage {
  public:
   BucketLinkage(const BucketLinkageParameters& parameters, double stick_length_m);
 
-  /// Where the circles do not meet (idler and link stretched or folded), J is placed on the line
-  /// between their centres: the length stays continuous, finite, and the lever bounded.
+  /// Where the circles do not intersect (idler and link stretched or folded), J is placed on the
+  /// line between their centres: the length stays continuous and finite, and the lever bounded.
   [[nodiscard]] CylinderGeometry at(double q_rad) const { return at(Turn::by(q_rad)); }
   [[nodiscard]] CylinderGeometry at(const Turn& q) const;
 
-  /// The joint where idler, link and cylinder meet, in the stick's frame (for drawing).
+  /// Returns the joint of idler, link and cylinder, in the stick's frame (for drawing).
   [[nodiscard]] Eigen::Vector2d idler_joint_m(double q_rad) const;
 
-  /// Whether the idler's and the link's circles meet at this angle.
+  /// Whether the idler's and the link's circles intersect at this angle.
   [[nodiscard]] bool closes_at(double q_rad) const;
 
   /// The joint angle with this length within [from, to], on which the length must be monotone;
   /// the nearer end if the length is outside. Within 1e-13 rad.
   [[nodiscard]] double angle_at(double length_m, double from_rad, double to_rad) const;
 
-  /// The dead centre: the angle of the greatest length reachable without stretching the four-bar,
-  /// searched downward (the curling way) from `from_rad`. Within 1e-9 rad.
+  /// Returns the dead centre: the angle of the maximum length reachable without stretching the
+  /// four-bar, searched downward (the curling way) from `from_rad`. Within 1e-9 rad.
   [[nodiscard]] double dead_centre(double from_rad) const;
 
  private:
@@ -113,7 +113,7 @@ class Linkages {
   [[nodiscard]] const DirectLinkage& boom() const { return boom_; }
   [[nodiscard]] const DirectLinkage& stick() const { return stick_; }
   [[nodiscard]] const BucketLinkage& bucket() const { return bucket_; }
-  /// Least distance along the length between the stroke and the nearest dead centre.
+  /// Minimum distance along the length between the stroke and the nearest dead centre.
   [[nodiscard]] double dead_centre_margin_m(int joint) const { return margins_m_[index(joint)]; }
 
  private:

@@ -1,12 +1,12 @@
-// The machine's own bodies against each other, where links that do not hang on one another can
-// meet: the bucket at the boom, the house, the cab, the undercarriage; the stick at the last three;
-// the boom at the last. Neighbours in the chain are kept apart by their cylinders' ends.
+// Contact between the machine's own bodies, for links that are not adjacent: the bucket against the
+// boom, the house, the cab, the undercarriage; the stick against the last three; the boom against
+// the last. The cylinders' end stops keep adjacent links apart.
 //
-// Points, laws and what a pair keeps are those of sim/contact; each point has two links, and its
-// velocity is that of the outer one against the inner one, so that both feel it.
+// Points, laws and the state of a pair are those of sim/contact; each point has two links, and its
+// velocity is that of the outer link relative to the inner one, so that the force acts on both.
 //
 // After construction nothing allocates. A step costs one comparison while nothing can be near; a
-// pair is looked at again when its bodies can have come as near as they were far.
+// pair is tested again once its bodies may have closed the distance last found.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -83,7 +83,7 @@ class OwnContact {
   /// No point can have come farther since the last begin(), this step included.
   double travelled_m_ = std::numeric_limits<double>::infinity();
   double step_m_ = 0.0;  ///< In this step.
-  double room_m_ = 0.0;  ///< The least gap of the last look, less the reach.
+  double room_m_ = 0.0;  ///< The minimum gap of the last test, less the reach.
   double force_n_ = 0.0;
   double deepest_ever_m_ = 0.0;
   double lost_j_ = 0.0;

@@ -40,8 +40,8 @@ enum class ExcavatorLevel {
 
 /// What the undercarriage does.
 enum class ExcavatorCarrier {
-  fixed,   ///< Stands still where it was put.
-  moving,  ///< Stands on its running gear: rocks, slides, tips; travels on tracks.
+  fixed,   ///< At rest where it was placed.
+  moving,  ///< Supported by its running gear: rocks, slides, tips; travels on tracks.
 };
 
 /// What the pumps hang on.
@@ -123,11 +123,11 @@ struct ExcavatorPose {
 };
 void visit(fields::Visitor& v, ExcavatorPose& p);
 
-/// Frame, tyres, house, cab, the boom in two pieces that meet in its bend, the stick: what the
-/// lidar sees of the shipped machine (its file's shapes), the tyres from 0.5 m up, below which they
-/// are the running gear's. The bucket in four pieces, so that its hollow stays hollow. The teeth
-/// touch rock at 1 GN/m: by Hertz a steel corner of 50 mm radius in granite, a few millimetres
-/// deep.
+/// Frame, tyres, house, cab, the boom in two pieces joined at its bend, the stick: the shapes that
+/// the lidar sees of the shipped machine (its file's shapes), the tyres only above 0.5 m; below,
+/// they belong to the running gear. The bucket is in four pieces, so that it stays hollow. The
+/// teeth touch rock at 1 GN/m: by Hertz a steel corner of 50 mm radius in granite, a few
+/// millimetres deep.
 [[nodiscard]] SolidBodyParameters excavator_boxes();
 
 struct ExcavatorParameters {

@@ -112,8 +112,8 @@ void PowerUnit::step(double h, double flow_m3ps, double supply_pressure_pa) {
   const double wanted = command_.speed_radps.value_or(p.set_radps);
   governed_radps_ += std::clamp(wanted - governed_radps_, -h * p.ramp_radps2, h * p.ramp_radps2);
 
-  // Pumps: what the valves take of what they can give, at least what the swash plates leave,
-  // T = p Q / (eta w).
+  // Pumps: the flow that the valves take, at most what the pumps can deliver, at least what the
+  // swash plates leave; T = p Q / (eta w).
   const double power_flow_m3ps =
       supply_pressure_pa > 0.0 ? limited_.power_limit_w * supply_.efficiency / supply_pressure_pa
                                : limited_.pump_flow_m3ps;

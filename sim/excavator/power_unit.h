@@ -1,19 +1,19 @@
-// The excavator's power unit: a diesel engine whose governor gives way a little under load, and the
+// The excavator's power unit: a diesel engine whose governor droops a little under load, and the
 // pumps on its shaft.
 //
 //   J dw/dt = T(w) - T_pumps - T_auxiliary
 //   T(w)      full-load curve and friction (sim/driveline/engine.h); the governor works towards
-//             w_set + droop w_rated (1 - T/T_ref), so that full torque stands at w_set
-//   T_pumps   p Q / (efficiency w): pressure and flow that the valves take, and what the pumps'
-//             swash plates leave at least
+//             w_set + droop w_rated (1 - T/T_ref), so that w_set is the speed at full torque
+//   T_pumps   p Q / (efficiency w): pressure and flow that the valves take, and at least what the
+//             pumps' swash plates leave
 // The governed speed follows a change of w_set at `ramp`. Speed is stepped by backward Euler in the
 // governor's linear law, so that no step is too long for it; the energy that is missing from
 // J w^2 / 2 + work is of second order in the step.
 //
-// Back to the hydraulics: the pumps turn with the engine, their flow is whole from `pump_rated` on
-// and in proportion below; and the pump controller keeps what the pumps take within what the engine
-// has at its present speed, so that they do not stall it. At the default speed neither binds before
-// SupplyParameters' own limits do: the arm moves as it did without an engine.
+// Feedback to the hydraulics: the pumps turn with the engine; their flow is full from `pump_rated`
+// on and proportional below. The pump controller limits the pumps' power to what the engine has at
+// its present speed, so that they do not stall it. At the default speed neither limits before
+// SupplyParameters' own limits do: the arm moves as it would without an engine.
 //
 // Defaults: a four-cylinder diesel of 115 kW at 2000 rpm, as 18 t machines have; estimates
 // (docs/machines/excavator.md). Temperatures, oil, fuel and battery are sim/engine's. Not modelled:

@@ -1,5 +1,5 @@
-// What a moving undercarriage stands on and what travels with it: tyres with their brakes locked,
-// or two tracks; a blade and outriggers, as rows of a list.
+// Running gear and attachments of a moving undercarriage: tyres with their brakes locked, or two
+// tracks; a blade and outriggers, as rows of a list.
 //
 // Estimates for an 18 t machine (docs/machines/excavator.md). Frame of all positions: the
 // undercarriage's, x forward, y left, origin on the ground below the swing axis.

@@ -14,9 +14,9 @@
 //
 // The caller puts `gain` on the left-hand side of its velocity solve and `offset` on the right, and
 // only then compares |F| with the limit. If |F| exceeds it, F is set to the limit, the solve is
-// repeated without the gain, and the bristle yields: it slides, and its deflection is at most that
-// at which spring and damper reach the limit. It is not set to z = -F / k: where the damper
-// contributed to F, that would add more deflection than the sliding distance. Testing the limit
+// repeated without the gain, and the bristle yields: it slides, and its deflection is at most limit
+// / k. It is not set to z = -F / k: where the damper contributed to F, that would bend the bristle
+// further than it has slid. Testing the limit before solving causes endless chatter at low speed.
 // before solving causes endless chatter at low speed.
 #pragma once
 
@@ -77,7 +77,7 @@ class Bristle {
     deflection_ = std::clamp(deflection_, -most, most);
   }
 
-  /// Bent as a force bends it.
+  /// Sets the deflection that the force causes at rest.
   void yield(const BristleParameters& parameters, double force) {
     deflection_ = -force / parameters.stiffness;
   }

@@ -381,12 +381,12 @@ GlonassEphemeris GlonassBroadcast::set(std::int64_t interval) const {
   return set;
 }
 
-/// What a set's steps add to the orbit.
+/// Returns what the quantisation of a set adds to the orbit.
 GlonassBroadcast::Motion GlonassBroadcast::deviation(const Middle& middle, double since_s) {
   const Motion at_middle = orbit(middle, 0.0);
   const Eigen::Vector3d earth_rate = kGlonassEarthRate_radps * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d p = in_steps(at_middle.position_m, kPositionStep_m) - at_middle.position_m;
-  // In axes that stand still as they are in the middle.
+  // In axes that do not rotate, those of the earth at the middle.
   const Eigen::Vector3d v = in_steps(at_middle.velocity_mps, kVelocityStep_mps) -
                             at_middle.velocity_mps + earth_rate.cross(p);
   const Eigen::Vector3d up = at_middle.position_m.normalized();

@@ -1,21 +1,21 @@
-// Orbits and clocks as Galileo, BeiDou and GLONASS broadcast them, and satellites that move
-// exactly as a receiver finds them from it.
+// Orbits and clocks as Galileo, BeiDou and GLONASS broadcast them, and satellites that move exactly
+// as a receiver computes them from the broadcast.
 //
-// Galileo, BeiDou: the nominal circular orbit, stated anew every two hours of the system's own
-// time in whole steps of its message. Mean motion is chosen so that two hours of it are a whole
-// number of steps within 3e-5 of one, so consecutive sets say the same orbit within 2e-6 m (when
-// the week turns, within a step of the node, 5 cm). Galileo's sets refer to their beginning, as
-// receivers expect of it, BeiDou's to their middle. Group delays by number, up to 5 ns.
+// Galileo, BeiDou: the nominal circular orbit, issued every two hours of the system's own time in
+// whole steps of its message. Mean motion is chosen so that two hours of it are a whole number of
+// steps within 3e-5 of one, so consecutive sets describe the same orbit within 2e-6 m (when the
+// week turns, within a step of the node, 5 cm). Galileo's sets refer to their beginning, as
+// receivers expect, BeiDou's to their middle. Group delays by number, up to 5 ns.
 //
 // GLONASS: position, velocity and clock every half hour, for 15 minutes before and after; a
-// receiver integrates the motion under an oblate earth (ICD 5.1, appendix A.3.1.2). The orbit
-// below is a periodic one of just these equations: it crosses equator and highest latitude at right
-// angles to the radius, found once by shooting, and told as five odd harmonics (1e-4 m). What the
-// steps of the message (0.5 m, 1 mm/s) make of a set is added to it, by the motion's variational
-// equations (1e-3 m over the 15 minutes); in the half minute around the change from one set to the
-// next, which may differ by a metre, satellites go over smoothly.
+// receiver integrates the motion under an oblate earth (ICD 5.1, appendix A.3.1.2). The orbit below
+// is a periodic solution of these equations: it crosses equator and highest latitude at right
+// angles to the radius, was found once by shooting, and is given as five odd harmonics (1e-4 m).
+// The quantisation of a set (0.5 m, 1 mm/s) is added to it, by the motion's variational equations
+// (1e-3 m over the 15 minutes). Consecutive sets may differ by a metre; in the half minute around
+// the change satellites pass smoothly from one to the next.
 //
-// Clocks of all three are off by a constant of each satellite, within 8e-5 s.
+// Each satellite's clock of these systems has a constant offset, within 8e-5 s.
 #pragma once
 
 #include <Eigen/Core>

@@ -203,8 +203,8 @@ double CarrierEngine::drawn_convergence_s() {
   return parameters_.convergence_s * std::min(kLongestOfMean, sum / kGammaShape);
 }
 
-/// Whether the integers stand out from the next best ones: the larger the share of carriers that
-/// are not sound, the more often they do not.
+/// Whether the integers differ clearly from the next best ones: the larger the share of unsound
+/// carriers, the more often they do not.
 bool CarrierEngine::validated(const CarrierCount& carriers, double step_s) {
   const double chance = tests_.uniform();
   const int used = std::max(1, carriers.used);

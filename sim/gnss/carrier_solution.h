@@ -1,4 +1,4 @@
-// What corrections make of a position: SBAS and a code-differential share, a precise point service,
+// Improves a position by corrections: SBAS and a code-differential share, a precise point service,
 // and real-time kinematic positions with their convergence and losses.
 //
 //   none     the code position
@@ -87,10 +87,10 @@ void visit(fields::Visitor& v, CorrectionParameters& p);
 /// Throws std::invalid_argument naming the key, its value and what is allowed.
 void validate(const CorrectionParameters& parameters);
 
-/// Satellites by what their carriers are good for. A receiver cannot tell a mirrored or slipping
-/// carrier from a sound one: where less than half of what it uses are sound, its test of integers
-/// against the next best ones fails (an estimate; a ZED-F9P in fields and forest was fixed half of
-/// the time and less, Stefal/rtkbase #351).
+/// Satellites by the quality of their carriers. A receiver cannot distinguish a mirrored or
+/// slipping carrier from a sound one: where less than half of those in use are sound, its test of
+/// integers against the next best ones fails (an estimate; a ZED-F9P in fields and forest was fixed
+/// half of the time and less, Stefal/rtkbase #351).
 struct CarrierCount {
   int used = 0;           ///< Used for the fix.
   int line_of_sight = 0;  ///< Those not mirrored, with a carrier strong enough for use.

@@ -22,7 +22,7 @@ namespace {
 template <typename Key>
 class BroadcastCache {
  public:
-  /// The broadcast of `key`, made by make() when it is not at hand.
+  /// Returns the broadcast of `key`; calls make() if it is not cached.
   template <typename Make>
   std::shared_ptr<const GpsNavigation> get(const Key& key, Make make) {
     const std::scoped_lock lock(mutex_);
@@ -165,8 +165,8 @@ struct Selection {
   friend bool operator==(const Selection&, const Selection&) = default;
 };
 
-/// Sets out of a file. A set is broadcast as it stands within two hours of its toe; where the file
-/// has none so near, the nearest is issued anew every two hours.
+/// Broadcast sets from a file. A set is broadcast unchanged within two hours of its toe; where the
+/// file has none so near, the nearest is issued again every two hours.
 class FileConstellation final : public Constellation {
  public:
   FileConstellation(std::span<const GpsEphemeris> sets, const KlobucharParameters& ionosphere,

@@ -66,8 +66,8 @@ class Constellation {
   [[nodiscard]] virtual std::shared_ptr<const GpsNavigation> navigation(
       const GpsTime& time) const = 0;
 
-  /// The errors of these satellites and of the air in runs of that seed: one object as long as
-  /// somebody has it.
+  /// Returns the errors of these satellites and of the air for that seed. Callers share one object
+  /// as long as one of them holds it.
   [[nodiscard]] std::shared_ptr<const ErrorField> errors(std::uint64_t seed) const;
 
  private:
@@ -80,9 +80,10 @@ class Constellation {
   mutable std::map<std::uint64_t, std::weak_ptr<const ErrorField>> errors_;
 };
 
-/// The published nominal slots of each system: GPS 24, GLONASS 24/3/1, Galileo 24/3/1, BeiDou
-/// medium orbits 24/3/1, all with broadcasts, SBAS and QZSS where they stand. Sources and
-/// bounds in the source file. Throws std::invalid_argument for a system that has no nominal slots.
+/// Returns the published nominal slots of each system: GPS 24, GLONASS 24/3/1, Galileo 24/3/1,
+/// BeiDou medium orbits 24/3/1, all with broadcasts; SBAS and QZSS at their longitudes. Sources and
+/// bounds are in the source file. Throws std::invalid_argument for a system that has no nominal
+/// slots.
 [[nodiscard]] std::shared_ptr<const Constellation> make_nominal_constellation(
     std::span<const GnssSystem> systems);
 

@@ -33,8 +33,9 @@ inline constexpr OrbitConstants kEarthOfBeidou{3.986'004'418e14, 7.292'115'0e-5}
 /// result lies within e of `mean_anomaly_rad`.
 [[nodiscard]] double eccentric_anomaly(double mean_anomaly_rad, double eccentricity);
 
-/// What a user computes. Times since toe and toc are taken within half a week (a set carries no
-/// more), so a set of another week stands for the nearest one.
+/// Returns the state that a user computes. Times since toe and toc are taken modulo a week, within
+/// half a week (a set carries no week), so a set of another week is applied as if it were of the
+/// nearest.
 [[nodiscard]] SatelliteState satellite_state(const GpsEphemeris& ephemeris, const GpsTime& time,
                                              double offset_s = 0.0,
                                              const OrbitConstants& earth = kEarthOfGps);

@@ -10,8 +10,8 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr double kShortest = 10.0;   // greatest frequency, 1 / tau
-constexpr double kSmallest = 100.0;  // greatest wave number of the troposphere, 1 / L
+constexpr double kShortest = 10.0;   // maximum frequency, 1 / tau
+constexpr double kSmallest = 100.0;  // maximum wave number of the troposphere, 1 / L
 constexpr double kTroposphereLength_m = 5e5;
 constexpr double kShellRadius_m = 6'371e3 + 350e3;
 
@@ -61,7 +61,7 @@ double scaled(double value, double unit) {
   return unit > 0.0 ? value / unit : 0.0;
 }
 
-/// Where a ray meets the shell of the ionosphere.
+/// Returns where a ray intersects the ionospheric shell.
 Eigen::Vector3d pierce_point(const Eigen::Vector3d& p_E_m, const Eigen::Vector3d& direction_E) {
   // |p + s e| = R.
   const double along = p_E_m.dot(direction_E);

@@ -18,12 +18,12 @@
 // there is none without a fix. Consecutive errors are correlated (first-order Gauss-Markov, exact
 // discretisation) unless correlation_time_s is 0, the paper's white noise.
 //
-// Coloured, the engine's cheaper neighbour: the same errors, and the position is what weighted
-// least squares make of them (position_solution.h): correlation in time, jumps where satellites
-// come and go, and residuals follow by themselves. Accuracies follow the error model, not the
-// error. A 2D fix holds the height of the last 3D fix. The velocity is solved from Doppler errors
-// in the same way. Eq. 3 counts satellites less one for each further system's clock. The receiver
-// here neither filters in time nor throws out ranges that contradict the rest.
+// Coloured, cheaper than the engine: the same errors, and each epoch's position by weighted least
+// squares (position_solution.h). Correlation in time, jumps when satellites come and go, and
+// residuals follow from that. Accuracies follow the error model, not the error. A 2D fix holds the
+// height of the last 3D fix. The velocity is solved from Doppler errors in the same way. Eq. 3
+// counts satellites less one for each further system's clock. This receiver neither filters in time
+// nor rejects ranges that contradict the rest.
 //
 // Both: corrections (carrier_solution.h; those of a base station come with GnssCommand), faults
 // (gnss_fault.h), the receiver's clock (receiver_clock.h; position and velocity are of the instant

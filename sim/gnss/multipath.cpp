@@ -21,7 +21,7 @@ constexpr double kSameNormal = 0.996;  // 5 degrees
 constexpr double kSameOffset_m = 0.5;
 /// Flatter incidence than this is a graze, not a reflection.
 constexpr double kLeastIncidence = 0.05;
-/// From the wall outwards, so that the shadow ray does not meet the wall itself.
+/// Offset from the wall, so that the shadow ray does not hit the wall itself.
 constexpr double kOffWall_m = 0.02;
 constexpr std::size_t kMostPlanes = 24;
 

@@ -1,14 +1,15 @@
 // Reflections of satellite signals by the walls around an antenna, searched with few rays.
 //
 // Fixed directions in a few rings find the surfaces around; each becomes a plane. For a satellite,
-// each plane has one specular point; two rays tell whether the wall is really there and whether the
-// satellite is seen from it. A reflected path is longer by 2 D (s . n), with D the antenna's
-// distance from the plane, n its normal and s the direction to the satellite: for a vertical wall
-// 2 D cos E cos(azimuth from the normal), never negative.
+// each plane has one specular point; two rays test whether the wall is really there and whether the
+// satellite is visible from it. A reflected path is longer by 2 D (s . n), with D the antenna's
+// distance from the plane, n its normal and s the direction to the satellite: for a vertical wall 2
+// D cos E cos(azimuth from the normal), never negative.
 //
-// What the search found is kept and its path lengths follow the antenna, until it has moved or
-// time has passed by the parameters' measure. Limits: one reflection, flat walls, no diffraction;
-// walls between the directions (30 degrees apart at the horizon) may be missed.
+// Results of the search are kept, with path lengths that follow the antenna, until the antenna has
+// moved or time has passed beyond the parameters' limits. Limits of the model: one reflection, flat
+// walls, no diffraction; walls between the directions (30 degrees apart at the horizon) may be
+// missed.
 //
 // Real walls have balconies, windows and neighbours: the strongest path of a signal without line of
 // sight is longer than a flat wall's by some metres, and changes at once where another part takes

@@ -76,7 +76,8 @@ std::optional<NavigationFix> NavigationEngine::coast(const Epoch& epoch) {
   held_->clock_m = predicted.clock_m;
   held_->clock_rate_mps = predicted.clock_rate_mps;
   held_->clock_sigma_m = predicted.clock_sigma_m;
-  // d pAcc / dt = sAcc min(1.34, 0.9 + 0.04 t), shared by level and height as they stand.
+  // d pAcc / dt = sAcc min(1.34, 0.9 + 0.04 t), split between level and height in their present
+  // ratio.
   const double before_m = std::hypot(held_->horizontal_sigma_m, held_->vertical_sigma_m);
   const double grown_m = predicted.speed_sigma_mps * step_s *
                          std::min(kGreatestGrowth, kGrowth + kGrowthPerSecond * lost_s);

@@ -28,12 +28,12 @@
 // goes on from the place and from the accuracy that it had by them.
 //
 // Integrity. A satellite whose innovation exceeds five of its standard deviations is left out of
-// the epoch, if those that stay are at least one more than the unknowns: with fewer, nothing tells
-// which of them is wrong. When ranges disagree with the state, squared innovations over variances
-// being 0.5 and more on average over ten seconds (below that under an open sky, since errors that
-// stay are in the state, too), accuracies of position grow by the root. When more than half are
-// beyond, it is the prediction that is wrong (a jump, a hard stop), and the filter widens itself
-// instead.
+// the epoch if at least one more than the number of unknowns remain: with fewer, it is not possible
+// to decide which of them is wrong. When ranges disagree with the state, i.e. when squared
+// innovations over variances average 0.5 or more over ten seconds (below that under an open sky,
+// since lasting errors are in the state, too), accuracies of position grow by the root. When more
+// than half exceed the limit, the prediction is wrong (a jump, a hard stop), and the filter widens
+// its covariance instead.
 //
 // Everything is linearised at the truth: 50 m of error cost 0.1 mm.
 #pragma once
@@ -129,9 +129,9 @@ class NavigationFilter {
     /// (NavigationCorrelation::carrier_s) and do not average out.
     bool by_carriers = false;
   };
-  /// One epoch. `still`: the receiver takes its velocity for zero, whatever the range rates.
-  /// `left_out[i]` tells whether signal i was: valid until the next call. The first update begins
-  /// at the truth with a standard deviation of 10 km.
+  /// Updates by one epoch. `still`: the receiver takes its velocity for zero, whatever the range
+  /// rates. `left_out[i]` is true if signal i was left out; valid until the next call. The first
+  /// update begins at the truth with a standard deviation of 10 km.
   void update(const NavigationTruth& truth, std::span<const NavigationSignal> signals,
               const std::optional<Position>& position, bool still);
   [[nodiscard]] const std::vector<bool>& left_out() const { return left_out_; }

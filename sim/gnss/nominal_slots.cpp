@@ -205,7 +205,8 @@ std::vector<NominalOrbit> quasi_zenith() {
     orbit.inclination_rad = 41.0 * kDegree;
     orbit.argument_of_perigee_rad = 270.0 * kDegree;  // slow, and so long, in the north
     orbit.mean_anomaly_rad = static_cast<double>(orbits.size()) * kTurn / 3.0;
-    // At the northernmost point, M = 180 deg, a quarter past the node, it stands at the centre.
+    // At the northernmost point, M = 180 deg, a quarter past the node, the satellite is at the
+    // centre.
     orbit.ascending_node_rad =
         (kCentre_deg - 90.0) * kDegree - (orbit.mean_anomaly_rad - std::numbers::pi);
     orbit.mean_motion_radps = kEarthRate_radps;

@@ -2,11 +2,12 @@
 // broadcast.
 //
 // GPS: the 24 slots of the SPS Performance Standard (2008, section 3.2), PRN = slot + 1. Each
-// satellite states its orbit anew every two hours, on even hours of GPS time, with toe = toc in the
-// middle. The figures of the message are kept as whole numbers of its steps, from one set to the
-// next by whole steps, with mean motion, drift of the node and clock drift chosen so that two hours
-// of each are a whole number too. Consecutive sets therefore meet within 2e-6 m; when the week
-// turns the node's longitude is stated anew, which moves an orbit by at most 2 cm. So:
+// satellite issues its orbit every two hours, on even hours of GPS time, with toe = toc in the
+// middle. The figures of the message are kept as whole numbers of its steps and change from one set
+// to the next by whole steps; mean motion, drift of the node and clock drift are chosen so that two
+// hours of each are a whole number too. Consecutive sets therefore agree within 2e-6 m; when the
+// week turns the node's longitude is set anew, which moves an orbit by at most 2 cm. Resulting
+// values:
 //  - mean motion of one ground track a day (within 1.2e-4 deg/day), stated by axis (26 559.1 km)
 //    and a delta n of its own for each satellite, 3.7e-9 .. 5.0e-9 rad/s (real ones: 3.7 to
 //    5.1e-9); node -8.0e-9 rad/s as the earth's oblateness makes it;
@@ -21,10 +22,10 @@
 //
 // GLONASS (25 508 km, 64.8 deg), Galileo (29 600.318 km, 56 deg), BeiDou medium orbits (27 906 km,
 // 55 deg): Walker 24/3/1, circular, first slot at the node and that at the origin of right
-// ascension at the epoch. Their phase against GPS is not published; it is arbitrary here. QZSS:
+// ascension at the epoch. Their phase relative to GPS is not published; it is arbitrary here. QZSS:
 // three satellites on one ground track about 135 deg east (42 164 km, 41 deg, e = 0.075) and one
-// standing at 127 deg east. SBAS: standing satellites of EGNOS, WAAS, MSAS and GAGAN. What GLONASS,
-// Galileo and BeiDou satellites broadcast, and how they move by it: broadcast_orbits.h. QZSS and
+// geostationary one at 127 deg east. SBAS: geostationary satellites of EGNOS, WAAS, MSAS and GAGAN.
+// Broadcasts and motion of GLONASS, Galileo and BeiDou satellites: broadcast_orbits.h. QZSS and
 // SBAS have ideal clocks and are pure Kepler orbits, smooth within 1e-3 m.
 #pragma once
 

@@ -112,7 +112,8 @@ std::optional<PositionSolution> solve_position(std::span<const RangeEquation> eq
     return std::nullopt;
   }
   const int n = columns.unknowns;
-  // Down is minus the height; what it does to a range stands on the right side when it is held.
+  // Down is minus the height. When the height is held, its effect on a range moves to the right
+  // side.
   const double held_down_m = held ? -held->error_m : 0.0;
   Square weighted = Square::Zero(n, n);
   Square plain = Square::Zero(n, n);

@@ -14,9 +14,10 @@
 //   multipath         0.5 m at 45 dBHz, times 10^((45 - C/N0) / 20) without fading: reflections
 //                     bend the code as much as they are strong beside the direct signal; minutes at
 //                     rest, seconds in motion, since they change with the place: 1/tau = 1/tau_rest
-//                     + speed / length. Accuracies that u-blox receivers of generations 7 to 9 tell
-//                     follow HDOP x 0.6 m x 10^((45 - C/N0) / 20) within a third in 11 of 13 logs
-//                     (gpsd's regression tests; medians of 16 to 44 dBHz of the satellites used)
+//                     + speed / length. Accuracies that u-blox receivers of generations 7 to 9
+//                     report follow HDOP x 0.6 m x 10^((45 - C/N0) / 20) within a third in 11 of 13
+//                     logs (gpsd's regression tests; medians of 16 to 44 dBHz of the satellites
+//                     used)
 //   foliage           0.3 m of multipath for each dB that crowns take: errors of several metres
 //                     under trees (recalled, not measured here); its carrier slips at random,
 //                     0.045 times a second for each dB: an estimate, so that under closed crowns an
@@ -24,9 +25,9 @@
 //   range rate        white 10 mm/s at 45 dBHz, and 20 mm/s that stay 2.5 s at rest, 1 s in motion
 //                     (u-blox receivers at rest show speeds of 14 to 24 mm/s)
 //   carrier           thermal noise of its loop, and 2 mm over sin E of multipath
-//   second signal     code and carrier have noise and multipath of their own, of the same size
-//   receiver          leaves the broadcast share of orbit, clock and ionosphere in its ranges: 1 of
-//                     a NEO-7P; newer ones tell accuracies that leave no room for all of them
+//   receiver          leaves the broadcast share of orbit, clock and ionosphere in its ranges: 1 on
+//                     a NEO-7P; the accuracies that newer ones report are too small for all of them
+//                     a NEO-7P; the accuracies that newer ones report are too small for all of them
 //   reflections       found by rays (multipath.h): a direct signal gains an error of that envelope
 //                     as multipath does; a signal that arrives only by reflection is long by its
 //                     extra path, and by an exponential scatter that another part of the wall
@@ -82,7 +83,7 @@ void visit(fields::Visitor& v, RangeErrorParameters& p);
 /// Throws std::invalid_argument naming the key, its value and what is allowed.
 void validate(const RangeErrorParameters& parameters);
 
-/// By what a satellite's elevation multiplies vertical delays; elevation at least 0, rad.
+/// Factor from zenith delays to slant delays at an elevation of at least 0, rad.
 [[nodiscard]] double ionosphere_mapping(double elevation_rad);
 [[nodiscard]] double troposphere_mapping(double elevation_rad);
 

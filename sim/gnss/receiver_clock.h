@@ -1,11 +1,11 @@
-// The clock of a satellite receiver: a cheap crystal that nobody disciplines, read on a grid of
-// whole milliseconds.
+// The clock of a satellite receiver: a cheap crystal without steering, read on a grid of whole
+// milliseconds.
 //
 // Clock and true (GPS) time differ by a bias; its rate is a mean drift plus a first-order
-// Gauss-Markov wander. When the bias leaves its limit the receiver sets its clock by a millisecond,
-// so that the bias makes a saw tooth. Measurements are taken when the clock shows a whole
-// millisecond, the one that comes nearest to the wanted instant; so epochs are now and then a
-// millisecond off, as the logs of u-blox receivers show (iTOW ends with 999 or 000).
+// Gauss-Markov wander. When the bias exceeds its limit the receiver steps its clock by a
+// millisecond, so that the bias is a saw tooth. Measurements are taken when the clock shows the
+// whole millisecond nearest to the requested instant; so epochs are now and then a millisecond off,
+// as the logs of u-blox receivers show (iTOW ends with 999 or 000).
 //
 // The trajectory is drawn on a grid of whole seconds of simulated time, by the exact discretisation
 // of drift and integrated drift, and joined by cubics: it is the same whatever the epochs asked

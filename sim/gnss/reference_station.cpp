@@ -34,10 +34,10 @@ constexpr double kCodeStays_s = 120.0;
 constexpr double kStationWander = 5e-3;
 /// and of one that moves, by what it claims of its motion alone.
 constexpr double kClaimWander = 0.2;
-/// Carriers that jump by more of their deviations do not tell a motion.
+/// From this many standard deviations on, a carrier's jump is not used to find a motion.
 constexpr double kCarrierJump = 4.0;
 
-/// By what the ionosphere is stronger on a satellite's first carrier than on GPS L1.
+/// Ratio of the ionospheric delay on a satellite's first carrier to that on GPS L1.
 double ionosphere_share(const GnssCorrections::Signal& signal) {
   const double ratio =
       kGpsL1_hz / carrier_hz(signal.system, false, glonass_channel(signal.system, signal.number));
@@ -85,8 +85,8 @@ std::optional<std::size_t> ReferenceStation::index_of(const GnssCorrections::Sig
              : std::optional(static_cast<std::size_t>(found - satellites.begin()));
 }
 
-/// Whole milliseconds of light where they are not told: by what the claimed place predicts, with
-/// the clock that the first satellite shows.
+/// Restores missing whole milliseconds of light: from the claimed place's predicted ranges, with
+/// the clock that the first satellite gives.
 void ReferenceStation::put_milliseconds(const Eigen::Vector3d& claimed_E_m, const GpsTime& time) {
   if (std::ranges::all_of(rows_, [](const Row& row) { return row.signal->modulus_m == 0.0; })) {
     return;
@@ -110,8 +110,8 @@ void ReferenceStation::put_milliseconds(const Eigen::Vector3d& claimed_E_m, cons
   }
 }
 
-/// Place and clock by weighted least squares (Gauss and Newton) from what rows_ have; the worst one
-/// is left out while it contradicts the rest.
+/// Solves place and clock from rows_ by weighted least squares (Gauss-Newton); leaves out the worst
+/// satellite while it contradicts the rest.
 std::optional<ReferenceStation::Fit> ReferenceStation::fit_code(const Eigen::Vector3d& start_E_m,
                                                                 const GpsTime& time,
                                                                 const DelayOf& delay_of) {
@@ -198,7 +198,7 @@ bool ReferenceStation::Misfit::passes() const {
 }
 
 /// Returns how far the carriers at that place are from whole wavelengths apart. Signals of one
-/// system have one wavelength, so each system is looked at alone.
+/// system have one wavelength, so each system is tested by itself.
 ReferenceStation::Misfit ReferenceStation::misfit(const Eigen::Vector3d& p_E_m, const Fit& fit,
                                                   const GpsTime& time,
                                                   const DelayOf& delay_of) const {

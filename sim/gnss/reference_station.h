@@ -1,5 +1,5 @@
-// What a receiver's engine makes of a base station's measurements: which satellites both can use,
-// how far away the station is, and by what the place that it claims is off.
+// How a rover's engine uses a base station's measurements: which satellites both can use, how far
+// away the station is, and the error of the place that it claims.
 //
 //   weights   a measurement's variance grows with 1 / sin^2 of its elevation, as an engine weighs
 //             those of its own antenna: carrier 3 mm and 3 mm / sin E (RTKLIB's defaults), code
@@ -7,26 +7,26 @@
 //   code      the station's place and clock by weighted least squares from its pseudoranges, with
 //             the orbits and the air of this sky; satellites that contradict the rest by more than
 //             30 m are left out. Measurements of another sky (a real caster's) leave none.
-//   integers  a receiver searches integers; here the places that they lead to are looked up, and
-//             the carriers must bear one out: less what geometry and air make of them, the carriers
-//             of each system are whole wavelengths apart. Looked up are the place that the station
-//             claims, and the antennas of this world that had an epoch at the station's
-//             (antenna_book.h), of those within 10 m of the place by code. The test: the squared
-//             residuals over their variances, of satellites above 10 degrees and at least five of
-//             them, stay below the 99.9 % quantile of chi^2. A place must pass it in two
-//             successive epochs, three times better than any other that is not within 5 cm (the
-//             ratio test). Once found it is held as long as it passes. Nothing else lets an
-//             ambiguity be fixed: slipped, garbled or foreign carriers do not.
-//   floating  while no place is borne out, the station's place is the state of a filter: it goes on
-//             from the last one by what the carriers say of its motion, or what it claims of it (a
+//   integers  a receiver searches integers; here the places that they lead to are known, and the
+//             carriers must confirm one: after subtracting geometry and air, the carriers of each
+//             system are whole wavelengths apart. Candidates are the place that the station claims,
+//             and the antennas of this world that had an epoch at the station's (antenna_book.h),
+//             if they are within 10 m of the place by code. The test: the squared residuals over
+//             their variances, of satellites above 10 degrees and at least five of them, stay below
+//             the 99.9 % quantile of chi^2. A place must pass it in two successive epochs, three
+//             times better than any other that is not within 5 cm (the ratio test). Once found it
+//             is held as long as it passes. Ambiguities are fixed in no other way: slipped, garbled
+//             or foreign carriers never fix one.
+//   floating  while no place is confirmed, the station's place is the state of a filter: it moves
+//             from the last one by the motion that the carriers show or the station claims (a
 //             station at rest does not move), and the code pulls it slowly, since the code's errors
-//             stay for minutes. Its covariance goes with it.
+//             last for minutes. The filter has its covariance, too.
 //
-// Ranges that are told but for whole milliseconds of light (RTCM 1001, 1003, 1009, 1011) are put
-// together by the place that the station claims, its clock within half a millisecond.
+// Ranges without their whole milliseconds of light (RTCM 1001, 1003, 1009, 1011) are completed from
+// the place that the station claims, its clock within half a millisecond.
 //
-// A station that claims a place where it is not moves every rover that trusts it; claim_error_E_m
-// is by how much.
+// A station that claims a wrong place shifts every rover that trusts it; claim_error_E_m is the
+// shift.
 //
 // Known limit: the air above the station is that of this rig's seed, so a station of another rig
 // agrees only where both have the same seed and date, or no errors.

@@ -10,7 +10,7 @@ namespace rigwire::sim {
 SignalPath signal_path(const Constellation& constellation, std::size_t index,
                        const ReceptionPoint& antenna) {
   constexpr double kSettled_s = 1e-12;
-  constexpr int kMostRounds = 10;  // two, but for satellites that nobody has launched
+  constexpr int kMostRounds = 10;  // two rounds suffice for every real satellite
   const Eigen::Vector3d earth_rate = kEarthRate_radps * Eigen::Vector3d::UnitZ();
 
   SignalPath path;
@@ -21,7 +21,7 @@ SignalPath signal_path(const Constellation& constellation, std::size_t index,
   path.flight_s = 0.075;
   for (int round = 0; round < kMostRounds; ++round) {
     satellite = constellation.state(index, antenna.time, antenna.offset_s - path.flight_s);
-    // The earth turns under the signal: in the frame of reception the satellite stood further west.
+    // The earth turns during the flight: in the frame of reception the satellite was further west.
     const double turn = kEarthRate_radps * path.flight_s;
     const double c = std::cos(turn);
     const double s = std::sin(turn);
@@ -33,7 +33,8 @@ SignalPath signal_path(const Constellation& constellation, std::size_t index,
     const Eigen::Vector3d from_antenna_m = satellite_m - antenna.position_E_m;
     path.range_m = from_antenna_m.norm();
     path.direction_E = from_antenna_m / path.range_m;
-    // -d(range)/d(flight) / c: the satellite stands further back and is turned further.
+    // -d(range)/d(flight) / c: with a longer flight the satellite is further back and turned
+    // further.
     by_flight =
         path.direction_E.dot(satellite_mps + earth_rate.cross(satellite_m)) / kLightSpeed_mps;
     const double missing_s = path.range_m / kLightSpeed_mps - path.flight_s;

@@ -144,7 +144,7 @@ DiggableTerrain::DiggableTerrain(Ground& ground, const DiggableTerrainParameters
 }
 
 DiggableTerrain::SlopeLimits DiggableTerrain::limits_for(double slope_rad) const {
-  // Greatest drop to a neighbour: tan(slope) times one cell, or its diagonal.
+  // Maximum drop to a neighbour: tan(slope) times one cell, or its diagonal.
   const double rise = std::tan(std::clamp(slope_rad, 0.0, 1.56)) * cell_m();
   return {to_units(rise), to_units(rise * std::numbers::sqrt2)};
 }
@@ -389,7 +389,7 @@ void DiggableTerrain::slide_from(std::size_t at) {
   if (count == 0) {
     return;
   }
-  if (bank_excess > loose_[at]) {  // The firm soil under the loose stands too steep: it breaks.
+  if (bank_excess > loose_[at]) {  // The firm soil below the loose soil is too steep: it breaks.
     const std::int64_t firm = surface_[at] - loose_[at] - rock_[at];
     loose_[at] += std::clamp<std::int64_t>(firm, 0, bank_excess - loose_[at]);
   }
@@ -414,7 +414,7 @@ void DiggableTerrain::slide_from(std::size_t at) {
     change(targets[i], surface_[targets[i]] + amount);
     moved += amount;
   }
-  // A rest of less than a slide's least is not worth another visit.
+  // A move far below the minimum of a slide is not worth another visit.
   if (moved > 0) {
     change(at, surface_[at] - moved);
   }

@@ -1,16 +1,15 @@
-// Terrain that is dug: soil leaves it under a cutting edge, comes back by pouring, and slides to
-// its angle of repose. None is lost.
+// Diggable terrain: a cutting edge takes soil away, pouring puts it back, and it slides to its
+// angle of repose. No soil is lost.
 //
-// Each node of the ground's height field carries the column of soil about it, one cell wide: what
-// lies under the triangles between the nodes is the sum of the columns. A column is firm soil (as
-// it grew) with loose soil on it. Heights and volumes are kept as whole numbers of a unit, 2^-36 m
-// of height on one column; every transfer takes from one account what it gives to another, so the
-// balance holds to the last unit however often is dug. Nodes never dug keep their heights bit for
-// bit.
+// Each node of the ground's height field carries a column of soil, one cell wide; the volume under
+// the triangles between the nodes is the sum of the columns. A column is firm soil (in its original
+// place) with loose soil on top. Heights and volumes are whole numbers of a unit, 2^-36 m of height
+// on one column; every transfer adds to one account exactly what it takes from another, so the
+// balance is exact after any amount of digging. Undug nodes keep their heights bit for bit.
 //
-// Slides: loose soil steeper than its angle of repose towards any of eight neighbours moves down,
-// visited in the order in which it was disturbed, a bounded number of nodes for each call. Firm
-// soil stands up to bank_rad where digging came near it, and breaks to loose soil beyond.
+// Slides: loose soil steeper than its angle of repose towards any of eight neighbours moves down;
+// nodes are visited in the order in which they were disturbed, a bounded number for each call.
+// Where digging came near, firm soil is stable up to bank_rad, and breaks to loose soil beyond.
 //
 // The outermost ring of nodes is never changed. Soil of a hard kind (SoilParameters::soft false) is
 // not dug; loose soil on it is. Digging does not swell or compact soil.
@@ -34,7 +33,7 @@ struct DiggableTerrainParameters {
   double depth_max_m = 5.0;        ///< Below the ground as it was: rock from there on.
   double loose_initial_m = 0.0;    ///< Loose soil on top at the start, of what can be dug.
   double bank_rad = 1.2;           ///< Steepest bank of firm soil; an estimate for stiff soil.
-  std::size_t slide_visits = 128;  ///< Nodes looked at by one settle().
+  std::size_t slide_visits = 128;  ///< Nodes visited by one settle().
 
   friend bool operator==(const DiggableTerrainParameters&,
                          const DiggableTerrainParameters&) = default;
@@ -95,7 +94,7 @@ class DiggableTerrain {
   }
   /// Returns the soil at the nearest node.
   [[nodiscard]] const SoilParameters& soil_at(double x_m, double y_m) const;
-  /// Returns the greatest density among all soils of the terrain.
+  /// Returns the maximum density among all soils of the terrain.
   [[nodiscard]] double density_greatest_kgpm3() const { return density_greatest_kgpm3_; }
 
   /// Returns the soil gained since the start, in units: all that was poured minus all that was
@@ -107,7 +106,7 @@ class DiggableTerrain {
 
  private:
   struct SlopeLimits {
-    std::int64_t straight = 0;  ///< Greatest rise to a neighbour along an axis, in units.
+    std::int64_t straight = 0;  ///< Maximum rise to a neighbour along an axis, in units.
     std::int64_t diagonal = 0;
   };
 
@@ -142,7 +141,7 @@ class DiggableTerrain {
   SlopeLimits bank_;
   double density_greatest_kgpm3_ = 0.0;
 
-  // Columns waiting to be looked at: a ring that holds each at most once.
+  // Columns waiting for a visit: a ring that holds each at most once.
   std::vector<std::uint32_t> queue_;
   std::vector<std::uint8_t> queued_;
   std::size_t queue_head_ = 0;

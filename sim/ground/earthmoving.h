@@ -15,7 +15,7 @@
 //     N_gamma = (cot rho + cot beta) / (2 den)            N_q = 2 N_gamma
 //     N_c     = (1 + cot beta cot(beta + phi)) / den      N_a = (1 - cot rho cot(beta + phi)) / den
 //
-// beta is the one that needs the least force, where N_gamma is least. No search is made: with
+// beta is the angle that needs the minimum force, where N_gamma is minimal. No search is made: with
 // t = cot beta, N_gamma = (cot rho + t)(sin phi t + cos phi) / (2 (A t + B)), A = sin psi,
 // B = cos psi, psi = rho + delta + phi, and dN/dt = 0 is a quadratic whose root between the poles
 // is
@@ -41,10 +41,10 @@ struct EarthmovingFactors {
   double failure_angle_rad = 0.0;  ///< beta, angle of the failure plane against the horizontal.
 };
 
-/// Ranges within which the equation is evaluated; angles beyond are taken at the nearest end, so
-/// that the factors are finite and positive for all input. A blade flatter than the least rake cuts
-/// as at the least; one leaning so far forward that rho + delta + phi would pass its end carries a
-/// dead wedge of soil and cuts with that wedge's face.
+/// Ranges within which the equation is evaluated; angles outside are clamped to the nearest end, so
+/// that the factors are finite and positive for all input. A blade flatter than the minimum rake
+/// cuts as at the minimum; one leaning so far forward that rho + delta + phi would exceed the
+/// maximum carries a dead wedge of soil and cuts with that wedge's face.
 struct EarthmovingRange {
   static constexpr double kLeastFriction_rad = 0.0175;     ///< Lower limit of phi, 1 degree.
   static constexpr double kGreatestFriction_rad = 0.9599;  ///< Upper limit of phi, 55 degrees.
@@ -57,9 +57,9 @@ struct EarthmovingRange {
 [[nodiscard]] EarthmovingFactors earthmoving_factors(double internal_friction_rad,
                                                      double tool_friction_rad, double rake_rad);
 
-/// P, newtons, at least 0; 0 for a depth or width that is not positive. Acts on the blade against
-/// its motion while it moves forward, and not at all when it is withdrawn: that is the caller's
-/// part (sim/excavator/bucket_soil.h).
+/// Returns P, newtons, at least 0; 0 for a depth or width that is not positive. P acts on the blade
+/// against its motion while it moves forward, and not when it is withdrawn: the caller decides that
+/// (sim/excavator/bucket_soil.h).
 [[nodiscard]] double earthmoving_force_n(const SoilParameters& soil,
                                          const EarthmovingFactors& factors, double depth_m,
                                          double width_m, double surcharge_pa, double gravity_mps2);

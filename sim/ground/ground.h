@@ -75,7 +75,7 @@ struct Penetration {
   double friction = 0.7;
 };
 
-/// Where a wheel's disc meets the surface.
+/// Where a wheel's disc touches the surface.
 struct WheelContact {
   double depth_m = 0.0;  ///< Overlap of the undeformed disc and the surface, along the normal.
   Eigen::Vector3d point_W = Eigen::Vector3d::Zero();
@@ -117,8 +117,8 @@ struct WheelFooting {
 
   SoftSoils under;
   SoftSoils next;                ///< kNext_m on, pressed as `under` is: what a border changes.
-  double pressed_ahead_m = 0.0;  ///< Beyond what the wheel itself presses ...
-  double reach_m = 0.0;          ///< ... so far on; 0: not looked at, and `next` neither.
+  double pressed_ahead_m = 0.0;  ///< Depth pressed ahead, where the wheel itself has not pressed,
+  double reach_m = 0.0;          ///< at this distance; 0: not computed, nor is `next`.
 };
 
 class Ground {
@@ -131,8 +131,9 @@ class Ground {
   /// An endless plane through the origin with this upward normal and soil, for tests and benches.
   static Ground plane(const Eigen::Vector3d& normal_W, const SoilParameters& soil);
 
-  /// Terrain, or the highest top of an obstacle that lies below `ceiling_m` (one stands on a rock,
-  /// not on the tree beside it). Beyond the terrain's edge that of the nearest point on the edge.
+  /// Returns the terrain, or the highest top of an obstacle that lies below `ceiling_m` (a wheel
+  /// rests on a rock, not on the tree beside it). Beyond the terrain's edge, that of the nearest
+  /// point on it.
   [[nodiscard]] GroundPoint at(double x_m, double y_m, double ceiling_m) const;
 
   /// The terrain alone.
@@ -146,14 +147,14 @@ class Ground {
   [[nodiscard]] std::optional<Penetration> penetration(const Eigen::Vector3d& p_W) const;
 
   [[nodiscard]] std::span<const Obstacle> obstacles() const { return obstacles_; }
-  /// An obstacle that has fallen lies there from now on, and bears what is put on it. Like ruts it
-  /// is what const machines change of a ground; only the thread that steps its machine may call it.
-  /// False, and nothing is changed, beyond the first kMostLying.
+  /// Places a fallen obstacle at X_WO permanently; it then bears loads. Like ruts, it is state of a
+  /// ground that const machines change; only the thread that steps its machine may call it. Returns
+  /// false, and changes nothing, beyond the first kMostLying.
   static constexpr std::size_t kMostLying = 64;
   [[nodiscard]] bool lay(std::size_t obstacle, const Eigen::Isometry3d& X_WO) const;
   [[nodiscard]] const ConvexShape& shape(std::size_t obstacle) const { return shapes_[obstacle]; }
-  /// Whether it rises above the point, and not below it to where it is under the point: a ramp
-  /// whose upper end is above a wheel that stands on its lower end does not.
+  /// Whether it rises above the point. False if its top straight below the point is lower: for a
+  /// ramp whose upper end is above a wheel on its lower end.
   [[nodiscard]] bool rises_above(std::size_t obstacle, const Eigen::Vector3d& p_W) const;
   /// Whether a wheel with its centre there cannot roll over it (wheel_contact()): it rises above
   /// the centre and is no ball.
@@ -162,28 +163,29 @@ class Ground {
   void obstacles_near(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,
                       std::vector<std::uint32_t>& found) const;
 
-  /// Where a wheel meets the surface: the disc of that radius about `centre_W`, square to the unit
-  /// `axis_W`, so that banks, steps and rocks are felt in front. Nothing when it does not touch.
+  /// Finds where a wheel touches the surface: the disc of that radius about `centre_W`, square to
+  /// the unit `axis_W`, so that banks, steps and rocks are felt in front. Returns nullopt without
+  /// contact.
   ///
-  /// Terrain: its profile fore and aft through seven heights, and its side slope through two, cut
-  /// with the disc. The normal is square to the chord from the disc's entry to its exit, the depth
-  /// that of the plane which cuts off the same area, scaled so that a force in proportion to it is
-  /// conservative: as a tyre swallows an edge. Obstacles: nearest point in the disc's plane, exact.
-  /// Together: the shortest way that frees the disc from all of them. Depth and normal are
-  /// continuous in the wheel's position, whatever it drives over. Boxes, cylinders and hulls that
-  /// rise above the disc's centre, and not below it to where it stands on them, are not driven over
-  /// but against: they are sim/contact's. On a plane of any slope and with
-  /// any tilt of the wheel they are exact to rounding. The disc has no width. A wheel with a
-  /// vertical axis (a machine on its side) has no contact.
+  /// Terrain: its profile fore and aft through seven heights, and its side slope through two,
+  /// intersected with the disc. The normal is square to the chord from the disc's entry to its
+  /// exit; the depth is that of the plane which cuts off the same area, scaled so that a force
+  /// proportional to it is conservative, as a tyre envelops an edge. Obstacles: nearest point in
+  /// the disc's plane, exact. Together: the shortest displacement that frees the disc from all of
+  /// them. Depth and normal are continuous in the wheel's position, whatever it drives over. On a
+  /// plane of any slope and with any tilt of the wheel they are exact to rounding. Boxes, cylinders
+  /// and hulls that rise above the disc's centre block the wheel, unless it is on a lower part of
+  /// them; sim/contact handles these. The disc has no width. A wheel with a vertical axis (a
+  /// machine on its side) has no contact.
   [[nodiscard]] std::optional<WheelContact> wheel_contact(const Eigen::Vector3d& centre_W,
                                                           const Eigen::Vector3d& axis_W,
                                                           double radius_m) const;
 
-  /// Soils under a wheel's contact, and with `reach_m` above 0 also what comes in the horizontal
-  /// direction of `way_W`: the soils next to it, and what was pressed in that distance, 0.3 m at
-  /// least. Where cells of different
-  /// soils meet, their shares change linearly over a border of 0.5 m, or of a cell where that is
-  /// less, so that nothing jumps. Obstacles and hard soils have no part in it.
+  /// Returns the soils under a wheel's contact, and with `reach_m` above 0 also those ahead in the
+  /// horizontal direction of `way_W`: the adjacent soils, and the depth pressed at that distance,
+  /// at least 0.3 m. Where cells of different soils adjoin, their shares change linearly over a
+  /// border of 0.5 m, or of a cell if that is less, so that nothing jumps. Obstacles and hard soils
+  /// are not counted.
   [[nodiscard]] WheelFooting footing(const WheelContact& contact, const Eigen::Vector3d& way_W,
                                      double reach_m) const;
   /// A wheel of that width leaves its rut, `depth_m` below the untouched surface of what is soft.

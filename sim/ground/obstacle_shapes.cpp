@@ -64,7 +64,7 @@ Vector nearest(const Obstacle& obstacle, const Vector& p) {
   return p;
 }
 
-/// Greatest coordinate of the solid along a direction, in the obstacle's frame.
+/// Maximum coordinate of the solid along a direction, in the obstacle's frame.
 double reach(const Obstacle& obstacle, const Vector& direction) {
   const Vector& half = obstacle.half_lengths_m;
   switch (obstacle.shape) {
@@ -88,9 +88,8 @@ struct Depth {
   Vector normal;
 };
 
-/// Returns the depth of p (obstacle's frame) below the face with the least depth: min over the
-/// faces of offset - normal . p; the sphere and the cylinder's side by the distance from centre or
-/// axis.
+/// Returns the depth of p (obstacle's frame) below the nearest face: min over the faces of offset -
+/// normal . p; for the sphere and the cylinder's side by the distance from centre or axis.
 Depth depth_inside(const Obstacle& obstacle, const Vector& p) {
   const Vector& half = obstacle.half_lengths_m;
   const auto axis_depth = [&](Eigen::Index i) {

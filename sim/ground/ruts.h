@@ -29,7 +29,7 @@ class Ruts {
   /// are not finite or beyond 100 000 km.
   [[nodiscard]] double depth_m(const Eigen::Vector2d& p_W) const;
 
-  /// Presses every cell whose middle lies in the rectangle about `p_W` to that depth at least.
+  /// Presses every cell whose middle lies in the rectangle about `p_W` to at least that depth.
   /// `forward` is a unit vector; half lengths along and across it are at least one and a half
   /// cells, so that depth_m() finds the depth at `p_W`, and at most 5 m. Never allocates.
   void press(const Eigen::Vector2d& p_W, const Eigen::Vector2d& forward, double half_length_m,

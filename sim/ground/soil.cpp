@@ -111,8 +111,8 @@ SinkageCurve::SinkageCurve(const SoilParameters& soil, double width_m, double di
       pressed_m_(std::max(0.0, pressed_m)) {
   if (pressed_m_ > 0.0) {
     pressed_load_n_ = wheel_load_n(soil, pressed_m_, width_m, diameter_m);
-    // k_u = k_0 + A_u z_u on the contact of a wheel that deep, b sqrt(D z); the virgin curve's
-    // slope W (n + 1/2) / z at least.
+    // k_u = k_0 + A_u z_u on the contact of a wheel at that depth, b sqrt(D z); at least the virgin
+    // curve's slope W (n + 1/2) / z.
     const double area = width_m * std::sqrt(diameter_m * pressed_m_);
     reload_npm_ = std::max(area * (soil.reload_modulus + soil.reload_growth * pressed_m_),
                            pressed_load_n_ / (inverse_exponent_ * pressed_m_));

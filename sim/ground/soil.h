@@ -20,8 +20,8 @@ namespace rigwire::sim {
 
 struct SoilParameters {
   std::string name = "hard";
-  /// Peak coefficient of friction of a rubber tyre on it; on soft soil the least of this and what
-  /// cohesion and internal friction carry counts.
+  /// Peak coefficient of friction of a rubber tyre on it; on soft soil cohesion and internal
+  /// friction may carry less, and the minimum counts.
   double friction = 0.8;
   /// Hard ground does not sink; the members below are not used then.
   bool soft = false;
@@ -76,8 +76,8 @@ class SinkageCurve {
  public:
   /// Hard: never sinks.
   SinkageCurve() = default;
-  /// A tyre sinks no deeper than a plate with its `ground_pressure_pa`. `pressed_m`: greatest depth
-  /// before, 0 of virgin ground.
+  /// A tyre sinks no deeper than a plate with its `ground_pressure_pa`. `pressed_m`: maximum depth
+  /// before, 0 for virgin ground.
   SinkageCurve(const SoilParameters& soil, double width_m, double diameter_m,
                double ground_pressure_pa, double pressed_m);
 
@@ -97,7 +97,7 @@ class SinkageCurve {
   double reload_npm_ = 0.0;      ///< Stiffness of the reloading line.
 };
 
-/// Greatest shear force under a contact: min(A c + W tan phi, friction W) on soft soil, friction W
+/// Maximum shear force under a contact: min(A c + W tan phi, friction W) on soft soil, friction W
 /// on hard ground.
 [[nodiscard]] double shear_limit_n(const SoilParameters& soil, double load_n, double area_m2);
 

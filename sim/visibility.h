@@ -1,4 +1,4 @@
-// What a satellite signal meets on its way to an antenna: the questions that it asks of a scene.
+// Queries of a scene by a satellite signal: obstacles on its path to an antenna.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@ namespace rigwire::sim {
 
 /// The way from the antenna to the sky.
 struct SkyPath {
-  bool blocked = false;    ///< Something solid stands in it.
+  bool blocked = false;    ///< Something solid is in it.
   double foliage_m = 0.0;  ///< Length within tree crowns, up to what blocks.
 };
 
@@ -21,8 +21,8 @@ struct ReflectingSurface {
 class Visibility {
  public:
   virtual ~Visibility() = default;
-  /// True when anything of the scene stands on the ray from `p_W` (m, world) along the unit vector
-  /// `direction_W`, farther than `clearance_m` away.
+  /// Returns whether anything of the scene intersects the ray from `p_W` (m, world) along the unit
+  /// vector `direction_W`, farther than `clearance_m` away.
   [[nodiscard]] virtual bool blocked(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
                                      double clearance_m) const = 0;
   /// Returns whether the ray is blocked, and measures the tree crowns on it, which do not block. A

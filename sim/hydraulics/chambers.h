@@ -1,25 +1,24 @@
-// The two oil volumes of one actuator, their valve, and the force that they make of it: pressures
-// as states.
+// The two oil volumes of one actuator, their valve, and the resulting force, with pressures as
+// states.
 //
 //     p1' = B / V1 (Q1 - A1 u)        V1 = V_hose + A1 (x - x_min)
 //     p2' = B / V2 (Q2 + A2 u)        V2 = V_hose + A2 (x_max - x)        F = A1 p1 - A2 p2 - c u
 //
 // u: rate of the actuator's coordinate x. The valve is pressure compensated on both edges: the
-// inlet gives the flow asked for as long as it has `inlet_drop_pa` to spend, and less by the
-// orifice law below that; the outlet lets out the flow that belongs to the speed asked for, and
-// a tenth more, as soon as it sees `outlet_drop_pa` (so that an overrunning load does not run
-// away). The friction c u ends at a
-// greatest force, where there is one: gears and seals drag no harder however fast they go. An
-// orifice's flow goes with the root of the pressure drop, and linearly below 2 bar, where
-// the root's slope would be infinite. Check valves: no oil flows back into the supply, and a
-// chamber below tank pressure draws from the tank. A relief valve per port.
+// inlet delivers the commanded flow while `inlet_drop_pa` is available, and less by the orifice law
+// below that; the outlet passes the flow of the commanded speed, plus a tenth, as soon as it has
+// `outlet_drop_pa` (so that an overrunning load does not run away). The friction c u is limited to
+// a maximum force if one is given: the drag of gears and seals does not grow beyond it. An
+// orifice's flow goes with the root of the pressure drop, and linearly below 2 bar, where the
+// root's slope would be infinite. Check valves: no oil flows back into the supply, and a chamber
+// below tank pressure draws from the tank. Each port has a relief valve.
 //
 // A step is linearly implicit in pressure and rate: the force at its end is F = offset - gain u
 // (sim/contact/bristle.h), for the machine's own solve; settle() then takes the rate found. A valve
-// that only this rate opens is open in settle(), and limits() bounds the force meanwhile, so that
-// no step, however long, leaves more pressure than a relief valve lets. Stable for every step;
-// order 1. The standard lumped model, for example H. E. Merritt, Hydraulic Control Systems, 1967,
-// chapters 3 and 6.
+// that opens only at this rate is open in settle(), and limits() bounds the force meanwhile, so
+// that no step, however long, leaves more pressure than a relief valve allows. Stable for every
+// step; order 1. The standard lumped model, for example H. E. Merritt, Hydraulic Control Systems,
+// 1967, chapters 3 and 6.
 #pragma once
 
 #include <array>
@@ -65,8 +64,9 @@ class ActuatorChambers {
 
   /// The force of a step of h seconds that starts at x; remembered for settle().
   [[nodiscard]] ImplicitForce law(double h, double x, const ValveDemand& demand);
-  /// What the chambers can exert with one of them at its relief valve, which passes the demand and
-  /// what the piston displaces at `rate`, and the other at tank pressure: least and greatest force.
+  /// Returns the minimum and maximum force of the chambers, with one of them at its relief valve,
+  /// which passes the demand and the piston's displacement at `rate`, and the other at tank
+  /// pressure.
   [[nodiscard]] std::array<double, 2> limits(const ValveDemand& demand, double rate) const;
   /// Ends the step with the rate found there.
   void settle(double rate);

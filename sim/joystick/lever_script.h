@@ -24,7 +24,7 @@ struct LeverKeyframe {
 
 class LeverScript {
  public:
-  /// Without keyframes the levers stand still. Throws std::invalid_argument when times do not
+  /// Without keyframes the levers do not move. Throws std::invalid_argument when times do not
   /// increase, an axis is beyond its range, or a repeating script has no length.
   LeverScript(std::vector<LeverKeyframe> keyframes, bool repeat);
 
@@ -35,11 +35,11 @@ class LeverScript {
   bool repeat_ = false;
 };
 
-/// The levers of an operator who moves an excavator by the ISO pattern (ISO 10968), as its valves
-/// are told to move: left stick swing and stick, right stick bucket and boom. A positive opening
-/// swings left, lifts the boom, and draws stick and bucket in (sim/excavator/excavator.h): levers
-/// left, back, back, and left. Sections 4 and 5 are the left and the right pedal. A section that
-/// floats leaves its lever in the middle.
+/// Returns the levers of an operator who gives this valve command by the ISO pattern (ISO 10968):
+/// left stick swing and stick, right stick bucket and boom. A positive opening swings left, lifts
+/// the boom, and draws stick and bucket in (sim/excavator/excavator.h): levers left, back, back,
+/// and left. Sections 4 and 5 are the left and the right pedal. A floating section leaves its lever
+/// in the middle.
 [[nodiscard]] JoystickSample levers_of(const ValveCommand& command, SimTime time);
 
 }  // namespace rigwire::sim

@@ -71,7 +71,7 @@ OdometryReading odometry(const OdometryParameters& p, const VehicleSample& sampl
     const double across = is_front ? front : rear;
     const double per_speed = std::copysign(std::hypot(along, across), along);
     if (std::abs(per_speed) < 1e-3) {
-      continue;  // the turn's centre is at this wheel: it tells nothing
+      continue;  // the turn's centre is at this wheel: its rate does not determine the speed
     }
     sum += surface_mps / per_speed;
     ++count;

@@ -7,13 +7,13 @@
 //
 // A recording of poses alone gets its velocities and accelerations from the cubic spline through
 // them (two continuous derivatives, no acceleration at either end): then all six are derivatives of
-// one curve, and an inertial unit feels what the path says. Of a motion of angular frequency w the
-// error of the acceleration is within (w h)^2 / 12 of it with a spline, within (w h)^2 / 8 between
-// accelerations that were recorded, which are exact themselves; that of the position within
-// (w h)^4 / 384. Near the ends a spline's acceleration is off by up to all of it, a quarter as much
-// with every pose further in. Noise n of the poses shows in it as up to 12 n / h^2.
+// one curve, and an inertial unit measures what the path implies. For a motion of angular frequency
+// w the relative error of the acceleration is within (w h)^2 / 12 with a spline, and within (w h)^2
+// / 8 between recorded accelerations, which are exact themselves; that of the position is within (w
+// h)^4 / 384. Near the ends a spline's acceleration is wrong by up to 100 %, a quarter as much with
+// every pose further in. Noise n of the poses adds up to 12 n / h^2.
 //
-// Before its first instant and after its last the link stands there.
+// Before its first instant and after its last the link is at rest at that instant's pose.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -26,12 +26,12 @@ namespace rigwire::sim {
 
 class MotionTrack {
  public:
-  /// Where the link stands all the time.
+  /// A link at rest at this pose.
   explicit MotionTrack(const Eigen::Isometry3d& X_WL);
-  /// Recorded with velocities and accelerations. Preconditions: as many as instants, at least one;
-  /// instants rise.
+  /// A track with recorded velocities and accelerations. Preconditions: as many as instants, at
+  /// least one; instants rise.
   MotionTrack(std::vector<SimTime> times, const std::vector<LinkMotion>& motions);
-  /// Through poses, as above. Preconditions likewise.
+  /// A track through poses, as above, with the same preconditions.
   MotionTrack(std::vector<SimTime> times, const std::vector<Eigen::Isometry3d>& poses);
 
   [[nodiscard]] LinkMotion at(SimTime time) const;

@@ -1,17 +1,16 @@
-// A machine whose motion is a recording's: to sensors, devices and the scene it is the machine that
-// it was, to its ground too where a bucket digs. Nothing moves it: what it is commanded is kept,
-// can be read back, and has no effect.
+// A machine whose motion is a recording's. Sensors, devices and the scene see it as the original
+// machine; so does its ground where a bucket digs. Nothing moves it: commands are kept, can be read
+// back, and have no effect.
 //
-// Links. Those that were recorded move as they did (motion_track.h); the others stay where they are
-// against the first link in the machine at rest.
+// Links. Recorded links move as they did (motion_track.h); the others stay fixed relative to the
+// first link, as in the machine at rest.
 //
-// Ports read what was recorded of them. Without a record they read what motion alone tells: the
-// swing from the upper structure against the undercarriage; wheel rates, odometry, ground speed and
-// the front axle's angle from the first link, for wheels that roll without slip. All else is as in
-// the machine at rest.
+// Ports return the values recorded for them. Without a record they return what the motion alone
+// determines: the swing from the upper structure relative to the undercarriage; wheel rates,
+// odometry, ground speed and the front axle's angle from the first link, for wheels that roll
+// without slip. All else is as in the machine at rest.
 //
-// Truth: the machine's own fields where they were recorded, not a number where not, and
-// commands_without_effect.
+// Truth: the machine's own fields, NaN where they were not recorded, and commands_without_effect.
 #pragma once
 
 #include <array>
@@ -30,8 +29,8 @@ namespace rigwire::sim {
 struct MachineRecord {
   /// By link, in the machine's order; an empty place: not recorded. The first must be there.
   std::vector<std::unique_ptr<MotionTrack>> links;
-  /// In the order of the machine's truth fields, empty without; likewise the members of its ports
-  /// (sim/samples/port_members.h).
+  /// In the order of the machine's truth fields, empty if there is none; `valves` and `vehicle` in
+  /// the order of its ports' members (sim/samples/port_members.h).
   RecordedNumbers truth;
   RecordedNumbers valves;
   RecordedNumbers vehicle;

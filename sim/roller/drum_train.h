@@ -1,7 +1,7 @@
-// What turns both drums against the machine: brakes, rolling resistance and the oil of the drive.
+// Torques between drums and machine: brakes, rolling resistance and the hydraulic drive.
 //
-// Linear in the drums' rates with limits that are tested after a solve of velocities, so that it
-// stands in the equations of whoever moves the machine (roller_dynamics.h, tipped_roller.h):
+// They are linear in the drums' rates, with limits that are tested after a velocity solve, so that
+// they fit into the equations of the machine's dynamics (roller_dynamics.h, tipped_roller.h):
 // begin(), then torques() and test() in each pass until nothing changes, then settle().
 #pragma once
 
@@ -45,14 +45,14 @@ class SpinFriction {
   double torque_nm_ = 0.0;
 };
 
-/// Bristle of what holds: damping 2 zeta sqrt(k m), no relaxation.
+/// Returns the bristle of a holding part: damping 2 zeta sqrt(k m), no relaxation.
 [[nodiscard]] BristleParameters held_bristle(double stiffness, double damping_ratio,
                                              double inertia);
 
-/// Bristles (angle) of a drum's brake and of its rolling resistance.
+/// Returns the bristles (angle) of a drum's brake and of its rolling resistance.
 [[nodiscard]] std::array<BristleParameters, 2> spin_bristles(const RollerParameters& parameters);
 
-/// Greatest torques of a step, front and rear.
+/// Maximum torques of a step, front and rear.
 struct DrumTorqueLimits {
   std::array<double, 2> brake_nm{};
   std::array<double, 2> rolling_nm{};
@@ -65,7 +65,7 @@ class DrumTrain {
   /// One step of h > 0. drive.begin() has been called.
   void begin(double h, const DrumTorqueLimits& limits, const HydrostaticDrive& drive,
              const Eigen::Vector2d& rate_radps);
-  /// On the drums = offset - gain (rates), as the limits stand in this pass.
+  /// Torques on the drums = offset - gain (rates), with the limits of this pass.
   struct Torques {
     Eigen::Matrix2d gain = Eigen::Matrix2d::Zero();
     Eigen::Vector2d offset = Eigen::Vector2d::Zero();

@@ -66,7 +66,8 @@ double GroundRest::friction(std::size_t drum) const {
 
 void GroundRest::climb(std::size_t drum, const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB,
                        StripGround& strip) const {
-  // Looked at from below, so that a drum that is still above the obstacle knows its height, too.
+  // Tested from further below, so that a drum that is still above the obstacle finds its height,
+  // too.
   constexpr double kBelow_m = 0.1;
   constexpr int kHalvings = 40;
   const Eigen::Vector3d up_W = R_WB.col(2);
@@ -80,7 +81,7 @@ void GroundRest::climb(std::size_t drum, const Eigen::Vector3d& p_W, const Eigen
         !disc_overlap(obstacle, low_W, axle_W, radius_m_)) {
       continue;
     }
-    // The least lift that frees the disc, by halving.
+    // The minimum lift that frees the disc, by bisection.
     double least = 0.0;
     double greatest = kBelow_m + 2.0 * radius_m_;
     for (int i = 0; i < kHalvings; ++i) {
@@ -259,7 +260,7 @@ void GroundRest::find_bearing(bool put_down) {
     stands_ = stands_ && any;
   }
   if (!stands_) {
-    // What does not stand, and what cannot tip, is fitted to all it has.
+    // A machine that is not supported by both drums, or that cannot tip, is fitted to all strips.
     std::for_each_n(strips_.begin(), count_, [](StripGround& strip) { strip.weight = 1.0; });
     even = true;
   }

@@ -5,10 +5,11 @@
 //
 //     (M + h G) x' = M x + h (offsets + gravity + supplements)
 //
-// where strips, brakes, rolling resistance and the drive's pressures stand on the left with their
-// gains. Limits (friction circle, brake torque, relief valve) are tested after the solve; what
-// changes state is solved again until nothing does (an active set on a convex problem, so that
-// neither order nor history of the tests matters). Twelve rounds at most; see unsettled_steps().
+// where strips, brakes, rolling resistance and the drive's pressures are on the left with their
+// gains. Limits (friction circle, brake torque, relief valve) are tested after the solve; when one
+// changes state, the system is solved again, until nothing changes (an active set on a convex
+// problem, so that neither order nor history of the tests matters). Twelve rounds at most; see
+// unsettled_steps().
 //
 // The basis in which u and v are written is that at the start of the step: there is no centrifugal
 // term, momentum is kept by construction.
@@ -40,7 +41,7 @@ struct ContactRows {
   [[nodiscard]] std::array<double, 3> along(const Velocity& x) const {
     return {rows[0].dot(x), rows[1].dot(x), rows[2].dot(x)};
   }
-  /// Into (M + h gain) x' = ... + h offset, as its limits stand in this pass.
+  /// Adds to (M + h gain) x' = ... + h offset, with the limits of this pass.
   template <class Matrix>
   void add(double h, Matrix& A, Velocity& b) const {
     for (std::size_t i = 0; i < 3; ++i) {

@@ -231,7 +231,7 @@ void TandemRoller::command_drive() {
     demand.engine_speed_radps = command_.engine_speed_radps;
   } else if (command_.engine_control == EngineControl::torque &&
              command_.engine_torque_share > 0.0) {
-    // Torque's share stands for the throttle: linear from idle to rated speed.
+    // The torque share represents the throttle: linear from idle to rated speed.
     demand.engine_speed_radps = idle + command_.engine_torque_share * (rated - idle);
   } else {
     demand.engine_speed_radps = command_.parking_brake ? idle : rated;
@@ -365,7 +365,7 @@ void TandemRoller::part_step(double h) {
   }
 }
 
-/// What each drum climbs: the other one pushes with its friction on what it stands on.
+/// Sets what each drum climbs: the other one pushes with its friction on the ground below it.
 void TandemRoller::limit_climbs(double speed_mps) {
   for (std::size_t i = 0; i < 2; ++i) {
     RollingClimb climb;

@@ -1,5 +1,5 @@
-// A tandem roller as its sensors and its controller meet it: both drums steered on pivots, driven
-// by oil, vibrating; commands in, motion of every link and the readings of its sensors out.
+// A tandem roller as its sensors and its controller see it: both drums steered on pivots,
+// hydrostatic drive, vibration; commands in, motion of every link and its sensors' readings out.
 //
 // Chain per inner step: steering, exciters, cutter arm, hopper -> ground under the strips -> loads
 // of the strips from statics (slope, acceleration of the step before, hopper) -> planar velocities
@@ -8,9 +8,9 @@
 // replaces the solve: v, yaw rate and drum rates of a bicycle that steers at both ends, each step
 // an exact arc.
 //
-// Where the resultant of weight and inertia leaves what the strips stand on (their hull, seen from
-// above), for 20 ms where all strips bear, or a drum is in the air, the machine tips: it is a free
-// rigid body carried by its contacts (tipped_roller.h), until it lies still, or is back on both
+// The machine tips when the resultant of weight and inertia leaves the convex hull of the strips,
+// seen from above, for 20 ms where all strips bear, or when a drum is in the air: it is then a free
+// rigid body carried by its contacts (tipped_roller.h), until it lies at rest, or is back on both
 // drums and calm for 0.3 s. The kinematic level, which has no forces, never tips.
 //
 // Steering of counter, crab and front-only is the controller's: it commands both angles. A drum
@@ -46,9 +46,9 @@ namespace rigwire::sim {
 
 class TandemRoller final : public Machine, public VehiclePort, public PowerUnitDefectPort {
  public:
-  /// Stands on `ground` with the frame's origin above (x, y), its x turned by `yaw_rad` from east;
-  /// parking brake on. `ground` must outlive the machine. Throws std::invalid_argument as validate
-  /// does and when the place is not finite.
+  /// Places the machine on `ground` with the frame's origin above (x, y), its x turned by `yaw_rad`
+  /// from east; parking brake on. `ground` must outlive the machine. Throws std::invalid_argument
+  /// as validate does and when the place is not finite.
   TandemRoller(const RollerParameters& parameters, const Ground& ground,
                const Eigen::Vector2d& position_m, double yaw_rad);
 
@@ -90,10 +90,10 @@ class TandemRoller final : public Machine, public VehiclePort, public PowerUnitD
   }
   /// Normal force of a drum in the last step.
   [[nodiscard]] double drum_load_n(std::size_t which) const { return load_n_[which]; }
-  /// Returns whether it does not stand on both drums: it tips, falls or lies.
+  /// Returns whether it is no longer supported by both drums: it tips, falls or lies.
   [[nodiscard]] bool tipped() const { return tipped_; }
-  /// How far inside of what it stands on the resultant of weight and inertia meets the ground, in
-  /// the last step on its drums; negative: outside.
+  /// Distance of the resultant of weight and inertia inside the edge of its support on the ground,
+  /// in the last step on its drums; negative: outside.
   [[nodiscard]] double support_margin_m() const { return support_margin_m_; }
   [[nodiscard]] const RollerMass& mass() const { return mass_; }
   [[nodiscard]] const HydrostaticDrive& drive() const { return drive_; }
@@ -131,12 +131,12 @@ class TandemRoller final : public Machine, public VehiclePort, public PowerUnitD
                       State& next);
   [[nodiscard]] double kinematic_pressure_pa(double acceleration_mps2) const;
   void settle_on_ground();
-  /// Brakes and bristles take up the slope that it stands on.
+  /// Preloads brakes and bristles so that they hold the machine on its slope.
   void hold_slope();
   [[nodiscard]] std::array<double, 2> brake_limits_nm() const;
-  /// Where the bodies are, to those that meet them. False: nothing is near in this step.
+  /// Gives the bodies' poses to the contacts. Returns false if nothing is near in this step.
   [[nodiscard]] bool place_bodies(double h, const Eigen::Matrix3d& R_WB);
-  /// Points of contact with obstacles, and their rows, about the centre of mass.
+  /// Finds the contact points with obstacles, and their rows, about the centre of mass.
   void meet_obstacles(double h, const Eigen::Matrix3d& R_WB);
   void settle_contacts(double h, const RollerVelocity& found);
 

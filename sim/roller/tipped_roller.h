@@ -1,18 +1,18 @@
-// The roller when it no longer stands on both drums: one rigid body with two drums that turn in it,
-// free in all six directions, carried by nothing but its contacts (sim/contact): it tips about the
-// rims that still touch, falls, slides and comes to rest on what it lies on.
+// The roller when it is no longer supported by both drums: one rigid body with two drums that turn
+// in it, free in all six directions, carried by nothing but its contacts (sim/contact): it tips
+// about the rims that still touch, falls, slides and comes to rest.
 //
 // Unknown velocities at the end of the step, in the world's axes: centre of mass, body, and each
-// drum about its axle (of all, not against the yoke). One linearly implicit Euler step
+// drum about its axle (absolute, not relative to the yoke). One linearly implicit Euler step
 //
 //     (M + h G) x' = M x + h (offsets + weight - w x H)
 //
-// with contacts, brakes, rolling resistance and oil on the left, limits tested after the solve as
-// on wheels (roller_dynamics.h). What turns a drum turns the body the other way; what the drums
-// hold of angular momentum turns with it.
+// with contacts, brakes, rolling resistance and hydraulics on the left, limits tested after the
+// solve as on wheels (roller_dynamics.h). A torque that turns a drum turns the body the other way;
+// the drums' angular momentum turns with the body.
 //
-// Energy: weight is taken at the step's start and moved with the velocity of its end, which loses
-// in free fall h g v m / 2; contacts lose (contact_point.h). Nothing else gives but the drive.
+// Energy: weight is taken at the step's start and moved with the velocity of its end, which loses h
+// g v m / 2 in free fall; contacts lose energy (contact_point.h). Only the drive adds energy.
 #pragma once
 
 #include <Eigen/Core>

@@ -33,7 +33,7 @@ struct EngineData {
   static constexpr std::size_t kPoints = 5;
   std::array<EnginePoint, kPoints> full_load{};
   double high_idle_radps = 0.0;      ///< Governed out, without load.
-  double reference_torque_nm = 0.0;  ///< 100 % of all torque shares: the greatest indicated one.
+  double reference_torque_nm = 0.0;  ///< 100 % of all torque shares: the maximum indicated one.
   double governor_nmsprad = 0.0;     ///< End-speed governor: torque per missing speed.
   double inertia_kgm2 = 0.0;         ///< Crank and flywheel.
 };

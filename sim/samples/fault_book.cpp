@@ -28,7 +28,7 @@ SimTime FaultPeriod::latest_end() const {
     return kStart + *until;
   }
   if (waits()) {
-    return kNever;  // `length` counts from a beginning that nobody knows
+    return kNever;  // `length` counts from a beginning that is not known
   }
   const bool is_of_extent = every == Duration{0} || duty > 0.0;
   return length && is_of_extent ? kStart + at + *length : kNever;

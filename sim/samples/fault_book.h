@@ -47,7 +47,7 @@ struct FaultPeriod {
   Duration every{0};                ///< From one repetition to the next; 0: it holds once.
   double duty = 0.0;                ///< Share of `every` for which it holds; 0: `length`.
   double probability = 1.0;         ///< Probability that it happens, each repetition by itself.
-  FaultCondition when{};            ///< The fault begins only once this is met.
+  FaultCondition when{};            ///< The fault begins only once this is fulfilled.
   std::uint64_t stream = 0;         ///< Seed of what is drawn for `probability`.
   SimTime ordered{};                ///< When it was ordered; for a rig file's fault the start.
 

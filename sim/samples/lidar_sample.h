@@ -22,8 +22,8 @@ inline constexpr std::size_t kMaxLasers = kBankLasers * kMaxBanks;
 /// Sensor frame S: x forward, y left, z up, origin on the spin axis. With the rotor at azimuth a
 /// (clockwise from forward, seen from above) the laser points along azimuth b = a +
 /// azimuth_offset_rad, elevation w: direction (cos w cos b, -cos w sin b, sin w). Its beam leaves
-/// from (-h sin b, -h cos b, vertical offset): the horizontal offset h counts to the right of the
-/// direction, as seen by somebody who looks along it.
+/// from (-h sin b, -h cos b, vertical offset): the horizontal offset h is positive to the right,
+/// looking along the direction.
 struct LaserGeometry {
   double elevation_rad = 0.0;        ///< Above the horizontal plane of the sensor.
   double azimuth_offset_rad = 0.0;   ///< Clockwise from the rotor's azimuth.
@@ -70,8 +70,8 @@ struct LidarCommand {
   double view_start_rad = 0.0;
   double view_end_rad = 0.0;
   bool laser_on = true;
-  /// Whether the receiver tells echoes apart (last and dual return). Otherwise the strongest alone
-  /// is looked for, which is cheaper.
+  /// Whether the receiver separates echoes (last and dual return). Otherwise it finds only the
+  /// strongest, which is cheaper.
   bool several_echoes = false;
 
   friend bool operator==(const LidarCommand&, const LidarCommand&) = default;
@@ -99,8 +99,8 @@ struct LidarFiring {
   double rotor_rate_radps = 0.0;  ///< At `time`, positive clockwise.
   std::size_t first_laser = 0;    ///< 0, 32, 64 or 96.
   BankReturns strongest{};
-  /// Echoes were told apart: `last` and `second` hold. Otherwise there is one echo at most, and it
-  /// is also the last.
+  /// Echoes were separated: `last` and `second` are valid. Otherwise there is at most one echo,
+  /// which is also the last.
   bool several = false;
   BankReturns last{};    ///< The farthest echo.
   BankReturns second{};  ///< The second strongest; range 0: there was but one.

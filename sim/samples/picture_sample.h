@@ -1,8 +1,8 @@
-// A camera: what it asks of its sensor, and one picture as the sensor hands it over.
+// A camera's request to its sensor, and one picture as the sensor delivers it.
 //
-// A picture is one exposure and everything that was made of it: the plain image, or several parts
-// (the left image, the disparity and its confidence). It is shared and never changed once made, so
-// that device, recording and whoever keeps frames for a while hold the same bytes.
+// A picture is one exposure and everything computed from it: the plain image, or several parts (the
+// left image, the disparity and its confidence). It is shared and immutable, so that device,
+// recording and clients that keep frames for a while hold the same bytes.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@
 
 namespace rigwire {
 
-/// What a pixel is. Formats of more than 8 bits are of two bytes each, the least significant first,
-/// with the value in the low bits.
+/// Format of a pixel. Formats of more than 8 bits have two bytes per value, the least significant
+/// first, with the value in the low bits.
 enum class PixelFormat : std::uint8_t {
   mono8,
   mono10,
@@ -114,7 +114,7 @@ struct Picture {
   SimTime exposure_start{};        ///< Start of exposure of the first row.
   Duration exposure{0};            ///< Exposure time of each row, commanded or automatic.
   double gain_db = 0.0;            ///< Commanded or automatic.
-  std::vector<PicturePart> parts;  ///< In the order in which they leave; at least one.
+  std::vector<PicturePart> parts;  ///< In the order in which they are sent; at least one.
 };
 
 /// What the sensor hands over at `time`: when the last row of the exposure has been read out.

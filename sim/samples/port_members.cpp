@@ -98,7 +98,7 @@ void each_of_power_unit(Sample& s, Use&& use) {
   use("pump_torque_nm", s.pump_torque_nm);
 }
 
-/// Tells the members.
+/// Appends the members' names.
 class Names {
  public:
   explicit Names(std::vector<PortMember>& members) : members_(members) {}

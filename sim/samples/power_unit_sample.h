@@ -23,8 +23,8 @@ struct PowerUnitCommand {
 struct PowerUnitSample {
   SimTime time{};
   EngineSample engine;
-  double dial_radps = 0.0;  ///< Speed that the machine's own dial asks for.
-  double dial_share = 0.0;  ///< The dial, 0 idle .. 1 greatest speed.
+  double dial_radps = 0.0;  ///< Speed set at the machine's own dial.
+  double dial_share = 0.0;  ///< The dial, 0 idle .. 1 maximum speed.
   double pump_pressure_pa = 0.0;
   double pump_flow_m3ps = 0.0;
   double pump_torque_nm = 0.0;

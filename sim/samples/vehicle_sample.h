@@ -39,7 +39,7 @@ struct PowerTakeOffCommand {
   friend bool operator==(const PowerTakeOffCommand&, const PowerTakeOffCommand&) = default;
 };
 
-/// Everything holds until the next command. The default is a machine that stands with its brake on.
+/// Everything holds until the next command. The default is a machine at rest with its brake on.
 struct VehicleCommand {
   SimTime time{};        ///< When the controller's output changed.
   bool ignition = true;  ///< Off: the engine gets no fuel.

@@ -21,8 +21,8 @@ constexpr double kLeastShare = 1e-3;         // of the reference load, keeps sti
 constexpr double kRollingWind_rad = 0.02;
 /// Way over which the soil's resistance does.
 constexpr double kPloughingWind_m = 0.01;
-/// Share of the reference load below which the vertical damper fades, so that a wheel that meets an
-/// edge or lands feels no blow from it.
+/// Share of the reference load below which the vertical damper fades, so that a wheel that hits an
+/// edge or lands gets no impact from it.
 constexpr double kDampedShare = 0.25;
 constexpr double kPrecision = 1e-13;  // of the load
 

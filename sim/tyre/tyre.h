@@ -31,10 +31,10 @@
 // nothing back, so that no order of soils, loads and ruts gives energy. Not modelled: sinkage by
 // slip, soil pushed aside by the flanks, and the rut's walls.
 //
-// Two radii: the contact is R - d below the wheel's centre, but a belt that does not stretch lays
-// the arc 2 R phi down on the chord 2 R sin(phi), cos(phi) = 1 - d / R: freely rolling the wheel
-// goes R sin(phi) / phi = R - d / 3 per radian (R. Rajamani, Vehicle Dynamics and Control, 2nd
-// edition 2012, chapter 4, effective tire radius; the series' next term is d^2 / (45 R)).
+// Two radii: the contact is R - d below the wheel's centre, but an inextensible belt puts the arc 2
+// R phi on the chord 2 R sin(phi), cos(phi) = 1 - d / R: the freely rolling wheel advances R
+// sin(phi) / phi = R - d / 3 per radian (R. Rajamani, Vehicle Dynamics and Control, 2nd edition
+// 2012, chapter 4, effective tire radius; the series' next term is d^2 / (45 R)).
 #pragma once
 
 #include <array>
@@ -60,7 +60,7 @@ struct TyreParameters {
   double reference_pressure_pa = 4.5e5;
   double slip_stiffness_n = 2.0e5;            ///< dF/dslip at slip 0, reference load.
   double cornering_stiffness_nprad = 1.5e5;   ///< dF/dslip angle, reference load.
-  double cornering_peak_load_n = 5.5e4;       ///< Load of the greatest cornering stiffness.
+  double cornering_peak_load_n = 5.5e4;       ///< Load of the maximum cornering stiffness.
   double longitudinal_stiffness_npm = 6.0e5;  ///< Longitudinal stiffness of the bristles.
   double lateral_stiffness_npm = 3.5e5;       ///< Lateral stiffness of the bristles.
   double damping_ratio = 0.7;         ///< Damping ratio of the bristles with the mass at the wheel.

@@ -46,8 +46,8 @@ Vector3d inertia_times(const UnsprungMass& part, const Vector3d& v) {
 
 constexpr double kSettling_s = 10.0;
 constexpr double kSettlingStep_s = 2e-3;
-// While it is put down the vehicle moves as in syrup, so that it finds its rest without swinging
-// past it: on a slope where it can stand, a swing would topple it. Then the syrup goes.
+// While it is placed the vehicle is heavily damped, so that it settles without overshoot: on a
+// slope where it is stable, a swing would topple it. Then the damping is removed.
 constexpr double kSyrup_s = 8.0;
 constexpr double kSyrup_radps = 15.0;
 

@@ -1,10 +1,10 @@
 // The vehicle with 14 degrees of freedom: body 6, suspension 2 per axle, wheel spins 4.
 //
 // One step solves all velocities together, linearly implicit: springs, dampers, stops, tyres
-// (normal, along, across, rolling), brakes, engine and chassis contacts stand on the left-hand side
-// with their slopes; then forces are compared with their limits (ground pulls nothing, friction,
-// brake torque, clutch) and the step is solved again with those beyond held at the limit. Positions
-// go with the new velocities, the attitude by the exponential map.
+// (normal, along, across, rolling), brakes, engine and chassis contacts are on the left-hand side
+// with their slopes; then forces are compared with their limits (the ground cannot pull, friction,
+// brake torque, clutch) and the step is solved again with forces beyond a limit held at it.
+// Positions are advanced with the new velocities, the attitude by the exponential map.
 //
 // Wheel rates are against the axle, so that a locked differential removes an unknown. Torques of
 // engine and brake act back on the axle (or body); the wheels' gyroscopic torque is kept.

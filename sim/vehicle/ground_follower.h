@@ -17,8 +17,8 @@
 
 namespace rigwire::sim {
 
-/// Up to this height above the body's ground plane an obstacle carries a wheel of the axle; what
-/// rises higher where the wheel does not stand on it is solid to it (vehicle_contact()).
+/// Maximum height above the body's ground plane at which an obstacle carries a wheel of the axle; a
+/// higher obstacle that the wheel is not on is solid to it (vehicle_contact()).
 [[nodiscard]] double step_height_m(const VehicleAxleParameters& axle);
 
 class GroundFollower {

@@ -12,9 +12,9 @@
 
 namespace rigwire::sim {
 
-/// The boxes, damped for the whole machine's mass, the wheels with their tyres' width and radial
-/// stiffness at the pressures of the start, and in them the rims, as hard as the boxes. At level
-/// full the boxes meet the terrain, too, and so do the chassis' points.
+/// Returns the boxes, damped for the whole machine's mass, the wheels with their tyres' width and
+/// radial stiffness at the pressures of the start, and in them the rims, as hard as the boxes. At
+/// level full the boxes and the chassis' points contact the terrain, too.
 [[nodiscard]] ContactSet vehicle_contact(const WheeledVehicleParameters& parameters,
                                          const StaticLoads& loads, const Ground& ground);
 

@@ -1,9 +1,9 @@
-// Everything that makes one wheeled vehicle of two axles: masses, axles, springs, tyres, steering,
-// brakes, tyre pressure system. Defaults: Mercedes-Benz Unimog U5023, of independent wheels the
-// John Deere Gator XUV 855D.
+// Parameters of a wheeled vehicle with two axles: masses, axles, springs, tyres, steering, brakes,
+// tyre pressure system. Defaults: Mercedes-Benz Unimog U5023; for independent wheels, the John
+// Deere Gator XUV 855D.
 //
-// Sources: few numbers are makers' (docs/machines/unimog-u5023.md and gator-855d.md say which); the
-// others are estimates, and stay estimates until a data sheet is in hand. Drive line: of its own
+// Sources: few numbers are makers' (docs/machines/unimog-u5023.md and gator-855d.md list them); the
+// others are estimates until a data sheet is available. The drive line has its own parameters
 // (sim/driveline).
 //
 // Body frame B: x forward, y left, z up; origin on the ground below the middle of the rear axle
@@ -207,7 +207,7 @@ struct WheeledVehicleParameters {
 };
 void visit(fields::Visitor& v, WheeledVehicleParameters& p);
 
-/// Loads and heights of a vehicle that stands on level ground, in design position.
+/// Loads and heights of a vehicle at rest on level ground, in design position.
 struct StaticLoads {
   std::array<double, 2> spring_n{};        ///< Load of both springs together, front and rear axle.
   std::array<double, 2> wheel_n{};         ///< Load of one wheel, front and rear axle.

@@ -26,8 +26,8 @@ constexpr double kHeldBack = 0.5;     // of the ramp is missing: held back, afte
 constexpr double kHeldBack_s = 1.0;
 constexpr double kPush_ps = 0.15;  // of the weight that the push grows by in a second, ...
 constexpr double kMostPush = 1.0;  // ... and may be
-constexpr double kLetsGo_s = 0.2;  // lag of letting go of it
-constexpr double kFast = 0.98;     // of the engine's greatest speed
+constexpr double kLetsGo_s = 0.2;  // time constant at which the push is released
+constexpr double kFast = 0.98;     // share of the engine's maximum speed
 constexpr double kAcceleration_s = 0.5;
 constexpr double kShift_s = 0.8;  // a shift's pause ...
 constexpr double kLoss = 0.3;     // ... may take this share of the speed
@@ -180,8 +180,8 @@ void TravelControl::step(double h, const Driveline& driveline, double slope,
 
   double share = 0.0;
   if (fits && (!holding_ || brake_share_ < kHeld)) {
-    // Crank's torque through the ratio, as a share between drag and full load; below somebody's
-    // limit of torque and speed.
+    // Crank's torque through the ratio, as a share between drag and full load; below the commanded
+    // limits of torque and speed.
     const double ratio = std::abs(state.ratio);
     const double wanted_nm =
         std::min(force_n * radius_m / ratio,

@@ -1,19 +1,19 @@
-// The machine's own controller of its travel speed, through engine, gear and service brake: what
-// stands behind "machine selected speed command" where no hydrostatic drive does.
+// The machine's own controller of its travel speed, through engine, gear and service brake. It
+// executes the "machine selected speed command" of machines without a hydrostatic drive.
 //
-// The set point passes a ramp. A force is asked for,
+// The set point passes a ramp. The controller computes a force,
 //     F = (m + J / r^2) (ramp's slope + gain (v_ref - v)) + integral + push + pull of the slope,
-// v by the driven wheels' rate. What of it drives is asked of the engine as torque through the
-// ratio that is engaged; what brakes beyond the engine's drag is left to the service brake, and so
-// is everything while gears change or no gear fits. The slope is what an inclination sensor of the
-// frame reads, behind a lag. At rest with set point 0 the brake is applied and stays: there is no
-// rolling on a slope. Starting on one, the brake opens as far as the clutch carries. A machine that
-// something holds back, a kerb or a rut, is pushed harder and harder, up to what the engine gives;
-// the push stays until the speed is reached and is let go of then, as a driver's foot would. For
-// the other direction the machine is brought to rest first, then shifts.
+// with v from the driven wheels' rate. The engine is commanded to provide the driving part as
+// torque through the engaged ratio; the service brake provides braking beyond the engine's drag,
+// and all of the force while gears change or no gear fits. The slope is the reading of an
+// inclination sensor of the frame, behind a lag. At rest with set point 0 the brake is applied and
+// stays: there is no rolling on a slope. When starting on one, the brake opens as far as the clutch
+// carries. A machine held back by a kerb or a rut is pushed harder and harder, up to the engine's
+// limit; the push stays until the speed is reached and is then released, as a driver's foot would.
+// To reverse, the machine is brought to rest first, then shifts.
 //
-// Somebody else's brake demand wins over the engine and does not wind the integral up. Without
-// limit of what the ground carries: a wheel that spins is held at its own speed.
+// A commanded brake demand overrides the engine and does not wind the integral up. The grip of the
+// ground is no limit: a spinning wheel is held at its own speed.
 #pragma once
 
 #include "fields/rules.h"

@@ -32,7 +32,7 @@ void eliminate(Matrix& matrix, Velocities& x, std::index_sequence<i...>) {
   x[k] *= inverse;
 }
 
-/// From the last to the first: the wheels, which touch least, go first.
+/// From the last to the first: the wheels, with the fewest couplings, are eliminated first.
 template <std::size_t... back>
 void eliminate_all(Matrix& matrix, Velocities& x, std::index_sequence<back...>) {
   (eliminate<kVelocities - 1 - back>(matrix, x, std::make_index_sequence<kVelocities - 1 - back>()),

@@ -39,7 +39,7 @@ struct VelocityRow {
 
 class VelocitySystem {
  public:
-  /// Lower triangle; row i, column j <= i. What stands above it means nothing.
+  /// Lower triangle; row i, column j <= i. Elements above it are meaningless.
   alignas(16) std::array<std::array<double, kVelocities>, kVelocities> matrix{};
   Velocities right{};
 

@@ -198,7 +198,7 @@ bool WheelTerms::changes(const Velocities& found) {
   if (!laws_.touching) {
     return changed;
   }
-  // Unilateral contact: one that would pull lets go.
+  // Unilateral contact: one that would pull is opened.
   const double load = laws_.normal.at(normal_.of(found));
   if ((load < 0.0) != lifted_) {
     lifted_ = load < 0.0;

@@ -25,7 +25,7 @@ class WheelTerms {
   void add(double h, const Velocities& start, VelocitySystem& system) const;
   /// True when the velocities found ask for another set of forces held at their limits.
   [[nodiscard]] bool changes(const Velocities& found);
-  /// Ends the step and tells what the wheel did in it.
+  /// Ends the step and reports the wheel's motion and forces in `state`.
   void settle(double h, const Velocities& found, WheelState& state);
   /// Leaves this step's rut in the ground on which it began.
   void press(const Ground& ground) const;

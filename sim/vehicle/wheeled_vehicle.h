@@ -1,5 +1,5 @@
-// A vehicle of two axles as its sensors and its controller meet it, whatever the level at which it
-// is computed: commands in, motion of every link and the readings of its own sensors out.
+// A vehicle of two axles as its sensors and its controller see it, at any level of modelling:
+// commands in, motion of every link and its own sensors' readings out.
 //
 // Links, in this order: body (frame B of parameters.h), front and rear axle (origin in the beam's
 // centre; with independent wheels midway between the wheels' centres, axes as the body), four
@@ -31,7 +31,7 @@ class SteeringActuator {
  public:
   explicit SteeringActuator(const SteeringParameters& parameters);
 
-  /// Clamped to the greatest angle; not-a-number keeps the old set point.
+  /// Clamped to the maximum angle; NaN keeps the old set point.
   void command(double angle_rad);
   void step(double span_s);
   [[nodiscard]] double angle_rad() const { return angle_rad_; }
@@ -42,9 +42,9 @@ class SteeringActuator {
   double angle_rad_ = 0.0;
 };
 
-/// Angles of the left and the right wheel of an axle so that all wheels turn about one centre:
-/// tan(wheel) = tan(angle) / (1 -+ curvature track / 2). `curvature_1pm`: of the path of the point
-/// where the turning centre's foot stands on the vehicle's long axis, (tan front - tan rear) over
+/// Returns the angles of the left and the right wheel of an axle so that all wheels turn about one
+/// centre: tan(wheel) = tan(angle) / (1 -+ curvature track / 2). `curvature_1pm`: of the path of
+/// the point on the vehicle's long axis nearest to the turning centre, (tan front - tan rear) over
 /// wheelbase, left positive.
 [[nodiscard]] std::array<double, 2> ackermann_rad(double angle_rad, double track_m,
                                                   double curvature_1pm);

@@ -1,17 +1,16 @@
-// The machine's own sensors: what its controllers read instead of what is.
+// The machine's own sensors, which give its controllers readings with errors.
 //
 // - Wheel speed: a toothed wheel with `ticks_per_revolution`. Whole ticks are counted over a gate
 //   (the period of the bus message) and divided by it, so that a reading is quantised by
-//   2 pi / (ticks * gate), lags by half a gate and loses no way: a tick that is cut off now counts
+//   2 pi / (ticks * gate), lags by half a gate and loses no distance: a fraction of a tick counts
 //   next time. Below `dead_rate_radps` the pick-up gives nothing. 0 ticks: continuous, no gate.
-// - Wheel radius: the true one or a constant, so that lowered pressure shows as too much way; off
-// by
-//   a factor drawn once for each wheel.
+// - Wheel radius: the true one or a constant, so that lowered pressure shows as too much distance;
+//   off by a factor drawn once for each wheel.
 // - Steering angle: play (the sensor follows only beyond it), then an offset drawn once for each
 //   axle, then quantisation.
-// - Ground radar: Doppler pulses by way over the ground, whole ones counted over a gate and divided
-//   by it, as the wheels' ticks are; nothing below `least`, and no more than at `greatest`. Its
-//   mounting angle makes a factor that is drawn once. It knows no direction.
+// - Ground radar: Doppler pulses by distance over the ground, whole ones counted over a gate and
+//   divided by it, as the wheels' ticks are; nothing below `least`, and at most `greatest`. Its
+//   mounting angle causes a factor that is drawn once. It senses no direction.
 // - Pressures: an offset drawn once for each, quantised, never negative.
 // - Odometry is computed from these readings.
 //
@@ -76,10 +75,10 @@ class VehicleSensors {
   VehicleSensors(const VehicleSensorParameters& parameters, const OdometryParameters& odometry,
                  std::uint64_t seed, std::string_view name);
 
-  /// What the sensors read where `exact` is true. To be called in order of time, at least about
+  /// Returns the sensors' readings for the truth `exact`. Call in order of time, at least about
   /// once per gate: between two calls a wheel's rate counts as their mean. Until the first gate is
-  /// over the wheel's present rate is quantised as a gate would. Rates, angles and pressures that
-  /// are no finite numbers pass through and are not counted.
+  /// over the wheel's present rate is quantised as a gate would. Non-finite rates, angles and
+  /// pressures pass through and are not counted.
   [[nodiscard]] VehicleSample measure(const VehicleSample& exact);
 
  private:

@@ -1,5 +1,5 @@
-// Fog and haze: droplets too many and too small to be met one by one, so that they weaken a beam
-// evenly and send an echo that begins at the sensor.
+// Fog and haze: the droplets are too many and too small to be treated one by one; they weaken a
+// beam evenly and return an echo that begins at the sensor.
 //
 // Optical constants:
 //   fog   alpha = ln(20) / MOR, beta = 0.046 / MOR   (R. H. Rasshofer, M. Spies, H. Spies,
@@ -25,11 +25,11 @@
 //
 // Light scattered by very many droplets is speckle: the energy of each resolution cell of length L
 // has a negative exponential distribution about E(r), independently of the other cells and of other
-// shots (J. W. Goodman, "Statistical optics", 1985, 2.9). What a receiver tells of it are the cells
-// above its limit T, exp(-T / E(r)) / L of them per metre: a Poisson process in range, of which
-// most shots cost one comparison (precipitation.h draws drops the same way). An echo at r has the
-// energy T plus an exponential one of mean E(r). Within L before a surface there is none: it is
-// part of that surface's echo.
+// shots (J. W. Goodman, "Statistical optics", 1985, 2.9). A receiver detects the cells above its
+// limit T, exp(-T / E(r)) / L of them per metre: a Poisson process in range, of which most shots
+// cost one comparison (precipitation.h draws drops the same way). An echo at r has the energy T
+// plus an exponential one of mean E(r). Within L before a surface there is none: it is part of that
+// surface's echo.
 #pragma once
 
 #include <algorithm>

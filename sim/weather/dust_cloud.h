@@ -9,14 +9,14 @@
 //             ground stays there: dm/dt = -v times the integral of the density over the ground (the
 //             tilted plume with source depletion: A. C. Chamberlain 1953, T. J. Overcamp, "A
 //             general Gaussian diffusion-deposition model", J. Appl. Meteorology 15, 1976)
-// Masses are exact: emitted = airborne + settled + dispersed, where dispersed is what was dropped
-// when a puff's greatest optical depth had fallen below 5e-4.
+// Masses are exact: emitted = airborne + settled + dispersed, where dispersed is the mass dropped
+// when a puff's maximum optical depth had fallen below 5e-4.
 //
-// An emitter fills its present puff until it has moved on by the puff's size. Puffs of like size
-// that have grown into each other (centres nearer than 0.8 s) become one, of their mass, centre and
+// An emitter fills its present puff until it has moved on by the puff's size. Puffs of similar size
+// that have grown into each other (centres nearer than 0.8 s) are merged, keeping mass, centre and
 // second moments, so that a trail is a row of puffs about one s apart: the row's ripple is below
-// 1e-3, and s too large by 3 %. When the cloud is full nevertheless, the two puffs whose union
-// changes it least become one. The ground is a level plane for each puff, at the height below its
+// 1e-3, and s too large by 3 %. When the cloud is full nevertheless, the two puffs are merged whose
+// union changes it least. The ground is a level plane for each puff, at the height below its
 // emitter.
 #pragma once
 

@@ -75,7 +75,7 @@ void DustField::fill(std::span<const DustPuff> puffs, const WeatherParameters& p
       continue;
     }
     const double sigma_m = std::sqrt(puff.variance_m2);
-    // Negligible from sqrt(2 s^2 ln(depth / least)) on.
+    // Negligible from sqrt(2 s^2 ln(depth / kNegligibleDepth)) on.
     puffs_.push_back({puff.centre_W, 2.0 * puff.variance_m2 * std::log(depth / kNegligibleDepth),
                       sigma_m, 0.5 / puff.variance_m2, depth / (sigma_m * kRootTwoPi)});
   }

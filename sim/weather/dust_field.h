@@ -1,4 +1,4 @@
-// Gaussian puffs of dust as a laser beam meets them, made ready once for many beams.
+// Gaussian puffs of dust as a laser beam sees them, prepared once for many beams.
 //
 // Extinction k = mass extinction x density (Beer and Lambert), back-scatter k / lidar ratio. The
 // optical depth of a puff along a stretch of the beam is that of its middle times half a difference

@@ -1,5 +1,5 @@
-// Rain and snow as a laser beam meets them: many drops that weaken it, and now and then one that is
-// near and large enough to send an echo.
+// Rain and snow as a laser beam sees them: many drops that weaken it, and now and then one that is
+// near and large enough to return an echo.
 //
 // Drops follow an exponential spectrum N(D) = N0 exp(-Lambda D), number per volume and diameter:
 //   rain  N0 = 8000 per m3 mm, Lambda = 4.1 R^-0.21 per mm       (J. S. Marshall, W. M. Palmer,
@@ -60,7 +60,7 @@ class DropEchoes {
 
   [[nodiscard]] bool none() const { return spectrum_.intercept_pm4 <= 0.0; }
 
-  /// The number of drops to be expected in the beam whose echo, not attenuated, is at least that
+  /// Returns the expected number of drops in the beam whose echo, not attenuated, has at least that
   /// energy.
   [[nodiscard]] double expected(const WeatherBeam& beam, double energy) const;
 
@@ -92,8 +92,8 @@ class DropEchoes {
   [[nodiscard]] Cone cone(const WeatherBeam& beam, double energy) const;
   [[nodiscard]] Drop drop(const WeatherBeam& beam, const Cone& cone, double energy,
                           std::uint64_t counter) const;
-  /// How many drops this shot meets, lowering their number by raising `energy` when there are too
-  /// many.
+  /// Returns how many drops this shot hits; lowers their number by raising `energy` when there are
+  /// too many.
   [[nodiscard]] int count(const WeatherBeam& beam, std::uint64_t counter, Cone& cone,
                           double& energy) const;
 

@@ -1,12 +1,12 @@
-// The weather of a scene: rain, snow, fog, haze and dust, each only where the parameters name it,
-// changing in time.
+// The weather of a scene: rain, snow, fog, haze and dust, each only if the parameters name it,
+// varying in time.
 //
-// Everything moves on a grid of 20 ms: at each of its instants the air is made ready for beams, and
-// a beam meets the air of the instant at or before its own time (dust carried on with the wind up
-// to the beam's time), so that results depend neither on how time is cut into slices nor on who
-// casts. Emitters are taken as they are at the first advance() at or after an instant.
+// Everything moves on a grid of 20 ms: at each of its instants the air is prepared for beams, and a
+// beam passes through the air of the instant at or before its own time (dust advected by the wind
+// up to the beam's time), so that results depend neither on how time is sliced nor on who casts.
+// Emitters are sampled at the first advance() at or after an instant.
 //
-// Cost of a beam and errors against dearer models: `rigwire bench weather`, docs/weather.md.
+// Cost of a beam and errors against more costly models: `rigwire bench weather`, docs/weather.md.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
-// What is in the air, as a laser beam meets it: it weakens the echo of the surface behind it, and
-// it sends echoes of its own.
+// Media in the air that a laser beam passes through: they weaken the echo of the surface behind
+// them, and return echoes of their own.
 //
 // Energies are in the unit of the link budget that the lidar uses (sim/lidar): a surface of diffuse
-// reflectance rho met at incidence angle theta at range r returns rho f(theta) T / r^2, where T
+// reflectance rho at incidence angle theta and range r returns rho f(theta) T / r^2, where T
 // is the two-way transmission; an echo is seen when that is at least 0.9 / R_max^2. A thin layer of
 // scatterers with back-scatter beta (per metre and steradian) and depth d is then a surface of
 // rho f(theta) = pi beta d, since a white Lambertian surface sends 1 / pi per steradian back.
@@ -17,13 +17,13 @@
 
 namespace rigwire::sim {
 
-/// Limit of detection of a lidar that just sees a surface of reflectance 0.9, met head on, at that
-/// range (Goodin et al. 2019).
+/// Limit of detection of a lidar that just sees a surface of reflectance 0.9 at that range, at
+/// normal incidence (Goodin et al. 2019).
 [[nodiscard]] constexpr double detection_energy(double maximum_range_m) {
   return 0.9 / (maximum_range_m * maximum_range_m);
 }
 
-/// One beam, from its exit to the surface that it meets or to the end of its reach.
+/// One beam, from its exit to the surface that it hits or to its maximum range.
 struct WeatherBeam {
   Eigen::Vector3d start_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();  ///< Unit.

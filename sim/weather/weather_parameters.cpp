@@ -30,7 +30,7 @@ constexpr std::array<fields::Choice<DustEchoModel>, 2> kDustEchoModels{
      {DustEchoModel::optical_depth, "optical_depth",
       "With probability optical depth / threshold, in place of the target's echo."}}};
 
-/// 0 stands for: not there.
+/// 0 means none.
 void require_visibility(const char* key, double found_m, double least_m, double most_m) {
   if (found_m != 0.0 && found_m < least_m) {
     throw fields::Refused(key, "found " + fields::shortest(found_m) + " m, allowed 0 (none) or " +

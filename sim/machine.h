@@ -97,8 +97,8 @@ class Machine {
   Machine& operator=(const Machine&) = delete;
 
   /// Advances by `span`, in inner steps of the machine's own. span <= 0 changes not one bit. Never
-  /// throws, never allocates. After a non-finite result the machine stands still in its last finite
-  /// state, see non_finite().
+  /// throws, never allocates. After a non-finite result the machine stays at rest in its last
+  /// finite state, see non_finite().
   virtual void step(Duration span) = 0;
 
   /// Time advanced so far.
@@ -135,7 +135,7 @@ class Machine {
   /// Where it stirs up dust at present.
   [[nodiscard]] virtual std::span<const DustEmitter> dust_emitters() const { return {}; }
 
-  /// What solid things do to it; null: it meets none.
+  /// Contacts with solid things; null: the machine has none.
   [[nodiscard]] virtual const ContactReport* contact_report() const { return nullptr; }
 
   /// Obstacles of its ground that it has pushed over, by their index there: what leans is seen to.

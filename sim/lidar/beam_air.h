@@ -1,9 +1,9 @@
-// What the air does to a beam of sub-rays.
+// The air's effect on a beam of sub-rays.
 //
-// The weather is asked along the middle of the beam only. It is taken to be the same across the
-// beam, and between the nearest and the farthest surface to weaken light evenly: exact in rain and
-// fog, and where all sub-rays meet one surface. An echo of the air keeps the share of the beam that
-// no surface has stopped before it.
+// The weather is evaluated only along the middle of the beam. It is assumed to be the same across
+// the beam, and to weaken light evenly between the nearest and the farthest surface: exact in rain
+// and fog, and where all sub-rays hit one surface. An echo of the air keeps the share of the beam
+// that no surface has stopped before it.
 #pragma once
 
 #include <array>

@@ -40,7 +40,7 @@ std::array<LaneArray, 3> spin_axes(const FiringBlock& block, const LaneMap& map)
   return axis;
 }
 
-/// The packets of a group, beam by beam: rays of one beam mostly meet the same things.
+/// Returns the packets of a group, beam by beam: rays of one beam mostly hit the same surfaces.
 std::vector<RayChoice> choices(std::size_t sub_rays) {
   std::vector<RayChoice> result(sub_rays);
   for (std::size_t i = 0; i < sub_rays * kLanes; ++i) {
@@ -51,7 +51,7 @@ std::vector<RayChoice> choices(std::size_t sub_rays) {
   return result;
 }
 
-/// What the middles of the beams have met.
+/// Writes the truth from the hits of the beams' middle rays.
 void tell_truth(const Scene::Internals& scene, const RTCRayHit8& packet, const RayChoice& choice,
                 const HitSurfaces& surfaces, std::array<LidarShotTruth, kLanes>& truth) {
   const SurfaceNumbers surface(packet.hit);

@@ -1,15 +1,15 @@
-// The echoes of beams that have a width, in any weather: each beam is a few sub-rays
-// (beam_sampler.h). Eight neighbouring firings of a laser are cast together; their rays go beam by
-// beam into Embree's packets. (The same sub-ray of all eight in one packet is 10 to 20 % slower
-// among leaves, and 6 % quicker among crates.)
+// Echoes of beams that have a width, in any weather: each beam is a few sub-rays (beam_sampler.h).
+// Eight neighbouring firings of a laser are cast together; their rays go beam by beam into Embree's
+// packets. (The same sub-ray of all eight in one packet is 10 to 20 % slower among leaves, and 6 %
+// faster among crates.)
 //
-// Every sub-ray is cast, whatever the middle of the beam meets (MAVS leaves the others out when its
-// middle one meets nothing, and so loses twigs against the sky). What they return is summed up by
-// link_budget.h, told apart by echo_detector.h and reported by echo_model.h. Sub-rays of a beam
-// leave from one point and at one instant.
+// Every sub-ray is cast, whatever the middle of the beam hits (MAVS omits the others when the
+// middle one hits nothing, and so loses twigs against the sky). link_budget.h sums up their
+// returns, echo_detector.h separates echoes and echo_model.h reports them. Sub-rays of a beam leave
+// from one point and at one instant.
 //
-// Blooming: six more rays around the beam carry scattered light; of what they meet retro-reflectors
-// alone are bright enough to count.
+// Blooming: six more rays around the beam carry scattered light; of the surfaces that they hit only
+// retro-reflectors are bright enough to count.
 #pragma once
 
 #include <cstdint>
@@ -32,10 +32,10 @@ class BeamCaster {
   BeamCaster(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
              std::uint64_t seed, std::string_view name);
 
-  /// Casts all beams of the block and writes the strongest echo of each; where echoes are to be
-  /// told apart, the last and the second strongest one too; and the truth along the middle of the
-  /// beam where it is asked for. May run on many threads, for different blocks. Does not allocate;
-  /// uses 150 kB of stack.
+  /// Casts all beams of the block and writes the strongest echo of each; if echoes are to be
+  /// separated, also the last and the second strongest one; and, if requested, the truth along the
+  /// middle of the beam. May run on many threads, for different blocks. Does not allocate; uses 150
+  /// kB of stack.
   void cast(const BlockCast& cast) const;
 
   /// Rays per beam, those of scattered light included.

@@ -1,4 +1,4 @@
-// What the sub-rays of eight beams have met.
+// Hits of the sub-rays of eight beams.
 #pragma once
 
 #include <limits>

@@ -8,7 +8,7 @@
 namespace rigwire::sim {
 namespace {
 
-/// A patch met at a glance is no deeper than this.
+/// Maximum depth of a patch hit at grazing incidence.
 constexpr float kDeepestPatch_m = 100.0F;
 
 }  // namespace
@@ -104,7 +104,7 @@ RIGWIRE_WIDE_VECTORS void receive_hits(const RayGroup& group, std::size_t sub_ra
     const float reported = reception.compensates_incidence
                                ? apparent + reflectance * (1.0F - incidence_share(cosine))
                                : apparent;
-    // Where nothing was met, nothing is apparent.
+    // Without a hit, `apparent` is 0.
     const bool returns = (range >= reception.minimum_m) & (apparent > 0.0F);
     hits.range_m[i] = range;
     hits.energy[i] = returns ? aim.weight * apparent / (range * range) : 0.0F;

@@ -13,7 +13,7 @@
 
 namespace rigwire::sim {
 
-/// Across the beams: where right and up are for whoever looks along them, unit vectors.
+/// Unit vectors across the beams: right and up, looking along the beam.
 struct Across {
   LaneArray right_x, right_y, right_z;
   LaneArray up_x, up_y, up_z;
@@ -32,8 +32,8 @@ struct SubRayAim {
   float patch_up = 0.0F;
 };
 
-/// Sub-rays that are cast together, of eight beams each: where they go and what they meet. Sub-ray
-/// i of beam k is number i kLanes + k.
+/// Sub-rays of eight beams that are cast together: their directions and hits. Sub-ray i of beam k
+/// is number i kLanes + k.
 struct RayGroup {
   static constexpr std::size_t kMostSubRays = 25;
   struct alignas(32) Column : std::array<float, kMostSubRays * kLanes> {};
@@ -60,14 +60,14 @@ void aim_rays(const RTCRay8& middle, const Across& across, const SubRayAim& aim,
 void load_rays(const RTCRay8& middle, const RayGroup& group, const RayChoice& choice,
                RTCRayHit8& packet);
 
-/// What a cast packet has met goes back to where its rays came from.
+/// Stores a cast packet's hits in the group, at the places of its rays.
 void store_hits(const RTCRayHit8& packet, const HitSurfaces& surfaces, const RayChoice& choice,
                 RayGroup& group);
 
 struct Reception {
-  float minimum_m = 0.0F;              ///< What is nearer stops light, but sends no echo.
+  float minimum_m = 0.0F;              ///< Nearer surfaces stop light, but return no echo.
   bool retro_alone = false;            ///< Diffuse surfaces do not count.
-  bool compensates_incidence = false;  ///< Brightness is that of the surface met head on.
+  bool compensates_incidence = false;  ///< Brightness is that of the surface at normal incidence.
 };
 
 /// What comes back to one sub-ray in clear air.

@@ -1,7 +1,7 @@
 // A beam's cross section as a few rays with weights.
 //
 // The beam is Gaussian and elliptical: intensity exp(-2 (x^2 / a^2 + y^2 / b^2)) at the angles x to
-// the right and y up from its middle, with the half angles a and b of LaserBeam. The rays stand for
+// the right and y up from its middle, with the half angles a and b of LaserBeam. The rays represent
 // all of it, beyond the 1/e2 ellipse too; their weights sum to 1.
 //
 //   1     the middle
@@ -11,9 +11,9 @@
 //   1000  a spiral of equal weights (Vogel, "A better way to construct the sunflower head",
 //         Mathematical Biosciences 44, 1979, with the radii of the Gaussian), to compare with
 //
-// The turns keep sub-rays from standing above or beside each other, so that an upright or a level
-// edge that moves through the beam uncovers them one by one. Radii and weights make the error of
-// the energy beside a straight edge least. That error, in shares of the pulse, for edges at all
+// Because of the turns no sub-ray is straight above or beside another, so that an upright or a
+// level edge that moves through the beam uncovers them one by one. Radii and weights minimise the
+// error of the energy beside a straight edge. That error, in shares of the pulse, for edges at all
 // distances up to 1.25 half angles from the middle (tests/sim/lidar/beam_sampler_test.cpp):
 //
 //   rays  rms, all directions  rms, upright and level  worst, upright and level

@@ -1,5 +1,5 @@
-// Random numbers that depend on nothing but a key and a counter, so that the order in which threads
-// draw them does not matter: the same shot has the same noise whoever casts it.
+// Random numbers that depend only on a key and a counter, so that the order in which threads draw
+// them does not matter: the same shot has the same noise on any thread.
 #pragma once
 
 #include <cstdint>

@@ -74,7 +74,7 @@ class DepthImageGeometry {
   double field_of_view_rad_;
   double focal_px_;
   double top_px_ = 0.0;
-  double sector_edge_px_;  ///< Greatest |u| within a sector.
+  double sector_edge_px_;  ///< Maximum |u| within a sector.
   std::vector<CameraAxes> axes_;
   RowRule row_rule_;
   ColumnRule column_rule_;

@@ -1,14 +1,14 @@
-// A spinning lidar made of depth images, the way of simulators that have nothing but a renderer:
-// virtual cameras around the spin axis render what is seen at one instant, and each shot is a place
-// in one of their images (Wolf et al. 2020, Algorithm 2; depth_image_parameters.h has the choices,
-// depth_image_geometry.h the mapping, depth_image_lookup.h what lies between pixels).
+// A spinning lidar made of depth images, as in simulators that have only a renderer: virtual
+// cameras around the spin axis render the scene at one instant, and each shot is a place in one of
+// their images (Wolf et al. 2020, Algorithm 2; choices: depth_image_parameters.h, mapping:
+// depth_image_geometry.h, between pixels: depth_image_lookup.h).
 //
-// What it cannot do, whatever the parameters: tell echoes apart (there is one surface per pixel, so
-// one echo per shot at most), widen the beam, and see motion within an image. Bodies and sensor
-// stand still from one image to the next: with one image per revolution of T seconds and a relative
-// speed v, the last shots are v T off. Error on still planes with the exact rules: below 0.1 mm
-// within 100 m; without interpolation about r^2 / (h f) for ground seen from height h, f the focal
-// length in pixels. Measured beside rays by `rigwire bench lidar` (docs/accuracy/depth-images.md).
+// It cannot, whatever the parameters, separate echoes (there is one surface per pixel, so at most
+// one echo per shot), widen the beam, or resolve motion within an image. Bodies and sensor are at
+// rest from one image to the next: with one image per revolution of T seconds and a relative speed
+// v, the last shots are off by v T. Error on fixed planes with the exact rules: below 0.1 mm within
+// 100 m; without interpolation about r^2 / (h f) for ground seen from height h, f the focal length
+// in pixels. Compared with rays by `rigwire bench lidar` (docs/accuracy/depth-images.md).
 //
 // Firing clock, azimuths, noise, losses, echo limit, reflectivity and weather are those of
 // SpinningLidar with one ray per beam (echo_model.h).
@@ -43,8 +43,8 @@ class DepthImageLidar final : public LidarSensor {
   void command(SimTime time, const LidarCommand& command) override;
 
   /// Renders when the rotor enters the next part of its revolution, at the instant of the first
-  /// firing there, or when an image is kLongestAge old because the rotor is slow or stands. The
-  /// truth comes from one ray for each shot, at the shot's own instant, and costs accordingly.
+  /// firing there, or when an image is kLongestAge old because the rotor is slow or at rest. The
+  /// truth comes from one ray for each shot, at the shot's own instant, at the cost of that ray.
   void cast(const Scene& scene, const LidarSlice& slice, const Weather* weather,
             std::vector<LidarFiring>& firings, std::vector<LidarBankTruth>* truth) override;
 

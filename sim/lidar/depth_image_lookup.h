@@ -1,11 +1,12 @@
 // Depth between the pixel centres of a depth image.
 //
 // On a plane 1/z is an affine function of (u, v), so that its interpolation is exact there while
-// that of z is not. Across a silhouette either makes a point in mid-air, on no surface.
+// that of z is not. Across a silhouette either yields a point in mid-air, on no surface.
 //
-// `edge_aware` looks at the twelve pixels around: it interpolates only if, along rows and along
+// `edge_aware` tests the twelve pixels around: it interpolates only if, along rows and along
 // columns, the step between the inner pixels continues the step on at least one side. (The four
-// inner pixels alone cannot tell: a straight edge along a row or a column makes a plane of them.)
+// inner pixels alone are not enough: with a straight edge along a row or a column they still form a
+// plane.)
 #pragma once
 
 #include <cstddef>

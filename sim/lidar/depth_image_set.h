@@ -1,4 +1,4 @@
-// The images of all cameras around the spin axis, rendered together, and what a beam meets in them.
+// The images of all cameras around the spin axis, rendered together, and the hits of beams in them.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -24,7 +24,7 @@ struct BeamLine {
 /// Returns the beam of a laser that points along an azimuth (sim/samples/lidar_sample.h).
 [[nodiscard]] BeamLine beam_line(const LaserGeometry& laser, double azimuth_rad);
 
-/// What a beam meets.
+/// A beam's hit.
 struct SeenSurface {
   double range_m = 0.0;  ///< From the beam's start; 0: nothing.
   float reflectance = 0.0F;
@@ -43,7 +43,7 @@ class DepthImageSet {
   std::uint64_t render(const Scene& scene, const DepthImageView& view, double start_rad,
                        double width_rad);
 
-  /// Returns what the beam of a laser at this azimuth meets. May be called from many threads.
+  /// Returns the hit of the beam of a laser at this azimuth. May be called from many threads.
   [[nodiscard]] SeenSurface see(const Scene& scene, std::size_t laser, double azimuth_rad) const;
 
   /// Sets the sampling from now on; the images serve any.

@@ -38,9 +38,9 @@ class EchoModel {
   EchoModel(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
             std::uint64_t seed, std::string_view name);
 
-  /// Least energy of an echo that is seen.
+  /// Minimum energy of a detected echo.
   [[nodiscard]] float threshold() const { return threshold_; }
-  /// Least energy of an echo of the air that is seen.
+  /// Minimum energy of a detected echo of the air.
   [[nodiscard]] double air_threshold() const { return air_threshold_; }
   [[nodiscard]] double air_minimum_range_m() const { return air_minimum_m_; }
   /// Where the receiver is focused, for the air (WeatherBeam::focus_m).

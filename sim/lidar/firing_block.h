@@ -94,7 +94,7 @@ struct BlockCast {
   std::size_t banks = 1;
   std::span<LidarFiring> firings;     ///< All firings of the cast, bank by bank, returns empty.
   std::span<LidarBankTruth> truth{};  ///< Empty: not wanted.
-  bool several = false;               ///< Echoes are to be told apart.
+  bool several = false;               ///< Echoes are to be separated.
 
   /// Where the shot of `laser` in firing `place` of the block belongs: bank and index in it.
   [[nodiscard]] std::size_t bank_of(std::size_t place, std::size_t laser) const {

@@ -37,8 +37,8 @@ RIGWIRE_WIDE_VECTORS void grain_lanes(const RTCRay8& ray, const GrainLattice& la
 
 }  // namespace
 
-// Neighbours mostly meet the same instance: one after the other is worked out for all lanes, and
-// each lane keeps what is its own.
+// Neighbouring rays mostly hit the same instance: each instance is computed for all lanes, and each
+// lane keeps its own.
 RIGWIRE_WIDE_VECTORS void meet_surfaces(const Scene::Internals::Shading* shading,
                                         const RTCRayHit8& packet, HitSurfaces& surfaces) {
   const RTCRay8& ray = packet.ray;

@@ -1,4 +1,4 @@
-// What a packet of eight rays has met, side by side.
+// Hits of a packet of eight rays, side by side.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +12,8 @@
 
 namespace rigwire::sim {
 
-/// Index of what each ray has met into Scene::Internals::shading and instance_of;
-/// RTC_INVALID_GEOMETRY_ID: nothing.
+/// Index of each ray's hit into Scene::Internals::shading and instance_of; RTC_INVALID_GEOMETRY_ID:
+/// no hit.
 struct alignas(32) SurfaceNumbers : std::array<std::uint32_t, kLanes> {
   explicit SurfaceNumbers(const RTCHit8& hit) {
     for (std::size_t i = 0; i < kLanes; ++i) {
@@ -22,7 +22,7 @@ struct alignas(32) SurfaceNumbers : std::array<std::uint32_t, kLanes> {
   }
 };
 
-/// Where nothing was met, cosine, reflectance and gain are 0.
+/// Without a hit, cosine, reflectance and gain are 0.
 struct HitSurfaces {
   LaneArray normal_x;  ///< In the world; of any length, on either side.
   LaneArray normal_y;

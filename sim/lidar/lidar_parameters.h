@@ -19,9 +19,9 @@ struct SpinningLidarParameters {
   /// Casting threads, the caller's included. Results do not depend on it.
   int threads = 1;
 
-  /// Rays per beam: 1, 5 or 19; 1000 to compare with (beam_sampler.h). 0: 1 where the strongest
-  /// echo alone is asked for, kSubRaysOfSeveralEchoes where echoes are to be told apart, which a
-  /// beam without width cannot return in clear air.
+  /// Rays per beam: 1, 5 or 19; 1000 to compare with (beam_sampler.h). 0: 1 if only the strongest
+  /// echo is requested, kSubRaysOfSeveralEchoes if echoes are to be separated, which a beam without
+  /// width cannot return in clear air.
   int sub_rays = 0;
   RangeNoise range_noise = RangeNoise::constant;
   /// Resolution of the receiver with RangeNoise::signal: an echo that is just seen has 1 / sqrt(2)
@@ -57,8 +57,8 @@ struct SpinningLidarParameters {
   double air_focus_range_m = 0.0;
   /// The weaker of two echoes nearer to each other than this is not reported.
   double echo_separation_m = 1.0;
-  /// The reported reflectivity is that of the surface met head on. The real sensors do not know the
-  /// angle: false.
+  /// The reported reflectivity is that of the surface at normal incidence. The real sensors do not
+  /// know the angle: false.
   bool compensates_incidence = false;
 
   // Losses without a cause in the model, as CARLA's ray-cast lidar has them.
@@ -76,7 +76,7 @@ struct SpinningLidarParameters {
 inline constexpr int kSubRaysOfSeveralEchoes = 5;
 inline constexpr double kGreatestBias_sigma = 2.5;
 
-/// Rays per beam, for a receiver that tells echoes apart and for one that does not.
+/// Returns the rays per beam, for a receiver that separates echoes or one that does not.
 [[nodiscard]] int rays_per_beam(const SpinningLidarParameters& parameters, bool several_echoes);
 
 void visit(fields::Visitor& v, SpinningLidarParameters& p);

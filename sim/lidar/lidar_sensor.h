@@ -1,5 +1,5 @@
-// What every way of simulating a spinning lidar offers: rays (spinning_lidar.h), or depth images of
-// virtual cameras (depth_image_lidar.h). Whoever takes the firings does not notice which.
+// Interface of all simulations of a spinning lidar: rays (spinning_lidar.h), or depth images of
+// virtual cameras (depth_image_lidar.h). Users of the firings need not know which.
 #pragma once
 
 #include <array>

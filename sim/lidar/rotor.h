@@ -6,19 +6,18 @@
 // to 1e-12 rad per second of time. So neither slices nor the instants that are asked for change
 // anything. A command counts from the controller's next action on.
 //
-// Speed follows the command with a time constant, within the motor's torque. It wanders about what
-// the controller wants as a first-order Gauss-Markov process, and rises and falls once in a turn
+// Speed follows the command with a time constant, within the motor's torque. It wanders about the
+// controller's set point as a first-order Gauss-Markov process, and rises and falls once in a turn
 // (ripple), at a phase drawn for the unit. The shaft never turns against the commanded direction,
-// whatever wander and ripple. The encoder reads the azimuth with noise of its own; where beams go
-// is the true azimuth's. All three fade below 10 rad/s, so that a standing rotor stands.
+// whatever wander and ripple. The encoder reads the azimuth with noise of its own; beams follow the
+// true azimuth. All three fade below 10 rad/s, so that a stopped rotor is at rest.
 //
-// Phase lock: the wanted speed differs from the commanded one by the phase's error over
+// Phase lock: the controller's set point differs from the commanded speed by the phase's error over
 // phase_time_s, by at most phase_speed_share of it; half a turn is made up in 50 turns' time with
-// the default. The phase that is wanted begins anew at each pulse: with a commanded speed that is
-// no whole number of turns per second the lock does not hold, as with the real sensors (VLP-16
-// user's manual 63-9243 Rev. D, section "Phase locking": multiples of 60 rpm). Without wander
-// and ripple the phase is met to 1e-6 rad; with a wander of spread s rad/s and correlation time T
-// to s phase_time_s sqrt(T / (T + phase_time_s)), one sigma: 2.6 degrees for 1.5 rpm and 0.5 s.
+// the default. The set point of the phase restarts at each pulse: with a commanded speed that is
+// not a whole number of turns per second the lock does not hold, as with the real sensors (VLP-16
+// user's manual 63-9243 Rev. D, section "Phase locking": multiples of 60 rpm). Without wander and
+// ripple the phase is reached to 1e-6 rad; with a wander of spread s rad/s and correlation time T
 #pragma once
 
 #include <cmath>

@@ -53,8 +53,8 @@ void begin_bank(LidarFiring& bank, bool to_be_written_whole) {
   if (!to_be_written_whole) {
     bank.strongest.fill({});
   }
-  // Both are empty unless echoes were told apart: firings are used over and over, and this spares
-  // writing half a kilobyte each time.
+  // Both are empty unless echoes were separated: firings are reused, and this avoids writing half a
+  // kilobyte each time.
   if (bank.several) {
     bank.last.fill({});
     bank.second.fill({});

@@ -17,8 +17,7 @@ constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;
 constexpr double kWander_rpm = 0.45;
 constexpr double kWanderCorrelation_s = 16.0;
 
-// Measured in the one scan of an HDL-32E that was at hand with its surroundings; taken for all
-// models.
+// Measured in the only available HDL-32E scan with its surroundings; used for all models.
 constexpr double kNoiseOnset = 3.0;  ///< link_budget.h, noise_growth().
 constexpr double kReflectivitySigma = 0.045;
 constexpr double kLaserReflectivitySigma = 0.10;

@@ -1,5 +1,5 @@
-// How well the Velodyne models measure: sensitivity and errors of the receiver, unevenness of the
-// rotor, as data. A further model is a further row.
+// Measuring quality of the Velodyne models: sensitivity and errors of the receiver, unevenness of
+// the rotor, as data. A further model is a further row.
 //
 // Measured from public captures of single units (MRPT/mrpt modules/mrpt_data/tests: HDL-32E of
 // 2011, VLP-16 of 2016; tier4/nebula decoder_ground_truth: VLP-16 with two returns, VLP-32C,
@@ -34,7 +34,7 @@
 // quarter of its returns at 220 to 240 m have a byte of 10 % or less; HDL-64E 150 m, data sheet (50
 // m at 10 %); VLP-16 and Puck Hi-Res as the HDL-32E, VLP-32C twice that, by the ranges of their
 // data sheets, 100 and 200 m, because their captures were taken in rooms. No capture of an HDL-64E
-// was at hand: its errors are the HDL-32E's.
+// was available: its errors are the HDL-32E's.
 #pragma once
 
 #include <string_view>

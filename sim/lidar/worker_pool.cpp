@@ -62,7 +62,7 @@ void WorkerPool::work() {
       return;
     }
     if (priority_ == PoolPriority::spare_time) {
-      // Whoever waits for this processor gets it now, and not while a task is held.
+      // Yields the processor to waiting threads now, and not while a task is held.
       lock.unlock();
       ::sched_yield();
       lock.lock();

@@ -260,7 +260,8 @@ void GroundRest::find_bearing(bool put_down) {
     stands_ = stands_ && any;
   }
   if (!stands_) {
-    // A machine that is not supported by both drums, or that cannot tip, is fitted to all strips.
+    // Without support by both drums the plane is fitted to all strips (a kinematic machine never
+    // tips).
     std::for_each_n(strips_.begin(), count_, [](StripGround& strip) { strip.weight = 1.0; });
     even = true;
   }

@@ -1,18 +1,18 @@
 // How the frame's plane lies on the ground under both drums: heave along its z, roll and pitch.
 //
-// A drum is round: obstacles and edges of the terrain are felt along its arc, as the lift that
+// A drum is round: it feels obstacles and edges of the terrain along its arc, as the lift that
 // frees each strip's disc from them, so that a kerb raises the drum from where its edge first
-// touches it and a drum rolls over the edge that it leaves. What both drums' friction does not
-// bring it over is not climbed (sim/contact/rolling_climb.h): it stops the drum as a wall does.
+// touches it and a drum rolls over the edge that it leaves. An edge beyond the climbing limit by
+// both drums' friction (sim/contact/rolling_climb.h) stops the drum as a wall does.
 //
 // Rigid drums rest on the terrain in the least-squares sense: the plane through the lowest lines of
-// the drums that fits the heights under all strips best which have ground under them: one that is
-// farther than 0.15 m above it (from 0.05 m on less and less), or over a face steeper than 2 to 1,
-// hangs free and bears nothing. A drum of which all strips do is in the air, and the machine tips
-// (tipped_roller.h). The frame follows it like a damped oscillator (the mat and the rubber mounts
-// give), with the plane's own rate fed forward: on a plane, however steep, there is no deviation at
-// all, and at rest there is exactly none. The rates are solved by the backward Euler rule;
-// accelerations are their change over the step.
+// the drums that best fits the heights under all bearing strips. A strip that is farther than 0.15
+// m above the ground (from 0.05 m on less and less), or over a face steeper than 2 to 1, hangs free
+// and bears nothing. A drum of which all strips hang free is in the air, and the machine tips
+// (tipped_roller.h). The frame follows the plane like a damped oscillator (the mat and the rubber
+// mounts are compliant), with the plane's own rate fed forward: on a plane, however steep, there is
+// no deviation at all, and at rest there is exactly none. The rates are solved by the backward
+// Euler rule; accelerations are their change over the step.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -51,11 +51,11 @@ class GroundRest {
  public:
   GroundRest(const RollerParameters& parameters, const Ground& ground);
 
-  /// Looks at the ground under the strips; `steer_rad` front and rear. 2 x strips look-ups. While
-  /// it is put down, all strips bear, however far from the ground.
+  /// Finds the ground under the strips; `steer_rad` front and rear. 2 x strips look-ups. With
+  /// `put_down`, all strips bear, however far from the ground.
   void look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
             const std::array<double, 2>& steer_rad, bool put_down = false);
-  /// What a drum rolls over from now on; what it does not, its contact meets.
+  /// Sets what a drum rolls over from now on; its contact handles all other obstacles.
   void limit(std::size_t drum, const RollingClimb& climb) { climbs_[drum] = climb; }
   /// Mean friction under a drum, of the strips that bear.
   [[nodiscard]] double friction(std::size_t drum) const;
@@ -63,7 +63,7 @@ class GroundRest {
   /// Front drum's strips first, each from right to left.
   [[nodiscard]] const StripGround& strip(std::size_t index) const { return strips_[index]; }
 
-  /// False: a drum is in the air, all along.
+  /// False: all strips of a drum are in the air.
   [[nodiscard]] bool stands() const { return stands_; }
   /// Returns whether no strip hangs free.
   [[nodiscard]] bool bears_all() const { return bears_all_; }

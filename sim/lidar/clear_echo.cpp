@@ -20,12 +20,12 @@ constexpr std::size_t kMostShots = kMaxLasers * kLanes;
 /// at once take half the time of loops over eight, whose steps wait for each other.
 struct alignas(32) ShotArray : std::array<float, kMostShots> {};
 
-/// What the rays of a block meet.
+/// Hits of the rays of a block.
 struct Met {
   ShotArray range_m;
-  ShotArray cosine;       ///< Cosine of incidence; 0 where nothing was met.
-  ShotArray reflectance;  ///< Diffuse; 0 where nothing was met.
-  ShotArray retro;        ///< What a retro-reflector adds, as a multiple of a white surface.
+  ShotArray cosine;       ///< Cosine of incidence; 0 without a hit.
+  ShotArray reflectance;  ///< Diffuse; 0 without a hit.
+  ShotArray retro;        ///< A retro-reflector's share, as a multiple of a white surface.
   ShotArray variation;    ///< reflectance_grain.h
   ShotArray x, y, z;      ///< Where, in Embree's coordinates; only where the scene varies.
 };
@@ -41,8 +41,8 @@ void add_retro_reflectors(const Shading* shading, const SurfaceNumbers& surface,
   }
 }
 
-/// Neighbours mostly meet the same surface; so one surface after the other is worked out for all
-/// lanes, and each lane keeps its own. `first` is the packet's first shot.
+/// Neighbouring rays mostly hit the same surface, so each surface is computed for all lanes, and
+/// each lane keeps its own. `first` is the packet's first shot.
 RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals& scene, const RTCRayHit8& packet,
                                std::size_t first, Met& met) {
   const Shading* const shading = scene.shading.data();
@@ -111,7 +111,7 @@ RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals& scene, const RTCRayHit8& 
   }
 }
 
-/// Reflectances of the places that were met.
+/// Varies the reflectances at the hit points.
 RIGWIRE_WIDE_VECTORS void vary(const GrainLattice& lattice, std::size_t count, Met& met) {
 #pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
@@ -120,11 +120,11 @@ RIGWIRE_WIDE_VECTORS void vary(const GrainLattice& lattice, std::size_t count, M
   }
 }
 
-/// What the receiver reports, and how exactly.
+/// Limits and errors of the receiver.
 struct Receiver {
   float minimum_m;
   float maximum_m;
-  float echo_limit_m2;  ///< One over the least energy of an echo.
+  float echo_limit_m2;  ///< One over the minimum energy of an echo.
   float sigma_m;
   float reflectivity_sigma;
   float onset;
@@ -145,10 +145,10 @@ RIGWIRE_WIDE_VECTORS void receive(const Met& met, const ClearEcho::LaserErrors& 
     // Reflectance times f(theta), and what is sent straight back.
     const float brightness = met.reflectance[i] * incidence_share(met.cosine[i]) + met.retro[i];
     const float range = met.range_m[i];
-    // Energy rho f(theta) / r^2 at or above the least that is detected (link_budget.h).
+    // Energy rho f(theta) / r^2 at or above the detection limit (link_budget.h).
     const float limit = receiver.echo_limit_m2 * brightness;
     const float square = range * range;
-    // What is too faint has errors without end, and is not reported.
+    // An echo that is too faint has infinite errors, and is not reported.
     const float own = receiver.onset * square / limit;
     const float growth = __builtin_sqrtf(1.0F + own * own);  // noise_growth()
     const float measured = range + (receiver.sigma_m * growth * report.range_m[i] + bias_m[i]);

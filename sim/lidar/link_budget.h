@@ -1,17 +1,18 @@
-// How much of a pulse comes back, and what the sensor makes of it. The formulas are for float and
-// double, without branches, so that loops over lanes go through vector registers.
+// How much of a pulse returns, and what the sensor computes from it. The formulas are for float and
+// double, without branches, so that loops over lanes are vectorised.
 //
-// Unit of energy: what a white Lambertian surface, met head on by the whole beam in clear air,
-// returns at 1 m. A surface of diffuse reflectance rho met at incidence angle theta at range r by
-// the share w of the beam returns w rho f(theta) T / r^2 with the two-way transmission T: the
-// laser radar equation for extended targets (Wagner, "Radiometric calibration of small-footprint
-// full-waveform airborne laser scanner measurements", ISPRS J. 65(6), 2010). An echo is seen when
-// its energy is at least that of a 90 % target at the reference range R, 0.9 / R^2 (Kilic et al.,
-// arXiv 2107.07004, 2021), detection_energy() of sim/weather/weather.h. Without width of the beam,
-// in clear air, the range at which a surface vanishes is R sqrt(rho f(theta) / 0.9).
+// Unit of energy: the return of a white Lambertian surface at 1 m, hit by the whole beam at normal
+// incidence in clear air. A surface of diffuse reflectance rho hit at incidence angle theta and
+// range r by the share w of the beam returns w rho f(theta) T / r^2 with the two-way transmission
+// T: the laser radar equation for extended targets (Wagner, "Radiometric calibration of
+// small-footprint full-waveform airborne laser scanner measurements", ISPRS J. 65(6), 2010). An
+// echo is detected when its energy is at least that of a 90 % target at the reference range R, 0.9
+// / R^2 (Kilic et al., arXiv 2107.07004, 2021), detection_energy() of sim/weather/weather.h.
+// Without width of the beam, in clear air, the range at which a surface vanishes is R sqrt(rho
+// f(theta) / 0.9).
 //
-// f(theta) is 1 head on. Rough surfaces turn facets of their own towards the light, and seen from
-// where the light comes from they stay bright when they slant: Oren and Nayar, "Generalization of
+// f(theta) is 1 at normal incidence. Rough surfaces turn facets of their own towards the light, and
+// seen from the light source they stay bright when they slant: Oren and Nayar, "Generalization of
 // Lambert's reflectance model", SIGGRAPH 1994, there is f = cos(theta) + (B / A) sin^2(theta) in
 // their qualitative model. A facet slope of 30 degrees, between their plaster and their sand, has
 // B / A = 0.44. In a public capture of a VLS-128 the road's reflectivity byte stays 8 to 13 from 25
@@ -48,17 +49,19 @@ template <class Real>
   return std::min(std::max(share, Real{0}), Real{1});
 }
 
-/// What a slanting surface still returns at 90 degrees of incidence, as a share of what it returns
-/// head on: B / A = 0.45 s^2 / (s^2 + 0.09) / (1 - 0.5 s^2 / (s^2 + 0.33)), s = 30 degrees.
+/// Return of a surface at 90 degrees of incidence, as a share of that at normal incidence: B / A =
+/// 0.45 s^2 / (s^2 + 0.09) / (1 - 0.5 s^2 / (s^2 + 0.33)), s = 30 degrees.
 inline constexpr double kGrazingShare = 0.4382;
 
-/// f(theta) of a rough surface, 1 head on, by the cosine of the incidence angle, 0 .. 1.
+/// f(theta) of a rough surface, 1 at normal incidence, by the cosine of the incidence angle, 0 ..
+/// 1.
 template <class Real>
 [[nodiscard]] constexpr Real incidence_share(Real cosine) {
   return cosine + static_cast<Real>(kGrazingShare) * (Real{1} - cosine * cosine);
 }
 
-/// What a surface returns, as a multiple of a white surface met head on.
+/// Returns the reflectance seen by the lidar, as a multiple of a white surface's at normal
+/// incidence.
 template <class Real>
 [[nodiscard]] constexpr Real apparent_reflectance(Real reflectance, Real retro_gain, Real cosine) {
   return reflectance * incidence_share(cosine) +
@@ -83,7 +86,7 @@ template <class Real>
 }
 
 /// Factor by which the errors of an echo are larger than those of a strong one. `faintness` is the
-/// least energy that is seen over the echo's, 0 .. 1; at 1 / `onset` the receiver's noise is as
+/// minimum detectable energy over the echo's, 0 .. 1; at 1 / `onset` the receiver's noise is as
 /// large as all other errors, which are independent of it.
 ///
 /// A pulse is timed where its slope crosses a threshold: the error of that instant is the noise

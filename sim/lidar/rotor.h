@@ -18,6 +18,7 @@
 // not a whole number of turns per second the lock does not hold, as with the real sensors (VLP-16
 // user's manual 63-9243 Rev. D, section "Phase locking": multiples of 60 rpm). Without wander and
 // ripple the phase is reached to 1e-6 rad; with a wander of spread s rad/s and correlation time T
+// to s phase_time_s sqrt(T / (T + phase_time_s)), one sigma: 2.6 degrees for 1.5 rpm and 0.5 s.
 #pragma once
 
 #include <cmath>

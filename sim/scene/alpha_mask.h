@@ -9,9 +9,9 @@
 
 namespace rigwire::sim {
 
-/// An image of opacities that a surface repeats. Texel (c, r) covers u from c / columns to
-/// (c + 1) / columns and v from r / rows to (r + 1) / rows: row 0 is at v = 0. A ray passes where
-/// the texel it meets is less opaque than the cutoff (alpha mode MASK of Khronos, glTF 2.0, 3.9.4);
+/// An image of opacities that a surface repeats. Texel (c, r) covers u from c / columns to (c + 1)
+/// / columns and v from r / rows to (r + 1) / rows: row 0 is at v = 0. A ray passes where the texel
+/// that it hits is less opaque than the cutoff (alpha mode MASK of Khronos, glTF 2.0, 3.9.4);
 /// texels are not blended.
 struct AlphaMask {
   std::string name;  ///< For messages.

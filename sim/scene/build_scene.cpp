@@ -86,7 +86,7 @@ void cover(const BoxObject& box, std::vector<KeepOut>& discs) {
   }
 }
 
-/// Where plants stand: not on tracks, not in boxes.
+/// Places to keep clear of plants: tracks and boxes.
 struct Clearings {
   std::vector<ClearWay> ways;
   std::vector<KeepOut> keep_out;

@@ -28,8 +28,8 @@ enum class TextureEdge : std::uint8_t { repeats, mirrors, stays };
 /// surface has a hole.
 using Texel = std::array<std::uint16_t, 4>;
 
-/// What a pixel sees of a surface, as ways in the picture's coordinates: the axes of a
-/// parallelogram. Where the coordinates shear the surface, the longer one stands for its length.
+/// A pixel's footprint on a surface, in the picture's coordinates: the axes of a parallelogram.
+/// Where the coordinates shear the surface, the longer axis determines its length.
 struct TextureFootprint {
   float across_u = 0.0F, across_v = 0.0F;
   float along_u = 0.0F, along_v = 0.0F;

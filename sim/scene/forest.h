@@ -1,7 +1,7 @@
 // Forests modelled leaf by leaf: trees of several species, bushes, fallen trunks.
 //
-// A few models of each species (sim/scene/tree_model.h) are built once and stand in the scene as
-// thousands of instances, turned and scaled. The cheap stand-in, closed crowns in one mesh, is
+// A few models of each species (sim/scene/tree_model.h) are built once and placed in the scene as
+// thousands of instances, turned and scaled. The cheaper alternative, closed crowns in one mesh, is
 // sim/scene/trees.h.
 #pragma once
 
@@ -23,8 +23,8 @@ namespace rigwire::sim {
 struct SpeciesShare {
   Species species = Species::spruce;
   double share = 1.0;        ///< Weight of the species among all trees.
-  double smallest_m = 14.0;  ///< Least height.
-  double largest_m = 25.0;   ///< Greatest height; uniform between.
+  double smallest_m = 14.0;  ///< Minimum height.
+  double largest_m = 25.0;   ///< Maximum height; uniform between.
 };
 void visit(fields::Visitor& v, SpeciesShare& p);
 

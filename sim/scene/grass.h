@@ -1,8 +1,8 @@
 // Grass, reed, crops: stalks with a stated density.
 //
-// Stalks stand at random in square patches; a few patches are built once and laid side by side over
-// a rectangle, each turned by a random quarter, so that stalks are a Poisson process as long as one
-// does not look farther than a patch. A level ray at height z meets its first stalk after L with
+// Stalks are at random positions in square patches; a few patches are built once and placed side by
+// side over a rectangle, each turned by a random quarter, so that stalks are a Poisson process at
+// distances up to a patch's size. A level ray at height z hits its first stalk within L with
 // probability 1 - exp(-n d(z) L), n stalks per square metre, d(z) = d (1 - z / h) mean width there.
 #pragma once
 
@@ -38,10 +38,10 @@ void visit(fields::Visitor& v, GrassField& p);
 /// patch's stalks are limited to 500 000 and 200 000.
 void validate(const GrassField& grass);
 
-/// A patch with its middle at the origin of level ground, of stalks of three triangles.
+/// Returns a patch with its middle at the origin of level ground, of stalks of three triangles.
 [[nodiscard]] TriangleMesh make_grass_patch(const GrassField& grass, RandomStream& random);
 
-/// Lays the patches on the ground, tilted with it. Validates.
+/// Places the patches on the ground, tilted with it. Validates.
 void add_grass(const GrassField& grass, const HeightField& ground, std::span<const ClearWay> ways,
                std::span<const KeepOut> keep_out, std::uint64_t seed, Scene& scene);
 

@@ -9,8 +9,8 @@
 
 namespace rigwire::sim {
 
-/// Node (column c, row r) stands at origin_m + cell_m * (c, r) in the world, x east and y north, at
-/// heights_m[r * columns + c]. Each cell is two triangles, parted by the diagonal from its
+/// Node (column c, row r) is at origin_m + cell_m * (c, r) in the world, x east and y north, at
+/// heights_m[r * columns + c]. Each cell is two triangles, divided by the diagonal from its
 /// south-east to its north-west node: the surface that the rays see and height_m() returns.
 struct HeightField {
   Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();

@@ -20,8 +20,8 @@ struct DroppedTriangles {
 /// Vertices are floats, good for 0.5 mm there.
 inline constexpr double kFarthestVertex_m = 10e3;
 
-/// Leaves out what no ray can meet properly, and vertices that nothing uses any more; the order of
-/// the rest stays. Indices must be of vertices that exist.
+/// Removes triangles that rays cannot hit correctly, and unused vertices; keeps the order of the
+/// rest. Precondition: all indices are of existing vertices.
 DroppedTriangles drop_bad_triangles(TriangleMesh& mesh);
 
 /// Splits triangles until no edge is longer than `longest_m`: in floats, rays miss the far parts of

@@ -19,7 +19,7 @@ struct NodeRectangle {
   [[nodiscard]] std::size_t nodes() const {
     return (last_column + 1 - first_column) * (last_row + 1 - first_row);
   }
-  /// The least rectangle that holds both.
+  /// Returns the smallest rectangle that contains both.
   [[nodiscard]] NodeRectangle joined(const NodeRectangle& other) const {
     return {std::min(first_column, other.first_column), std::min(first_row, other.first_row),
             std::max(last_column, other.last_column), std::max(last_row, other.last_row)};

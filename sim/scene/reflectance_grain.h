@@ -1,9 +1,9 @@
-// How the reflectance of what stands still varies over its surface: worn and dirty paint, windows
-// in a facade, stones, tufts of grass. In cells of 0.5 m it is the material's times 1 + v (4 u^3 -
-// 1), with v the material's variation and u uniform in 0 .. 1, drawn from the cell alone: the mean
-// is the material's, most cells are darker, few are up to 1 + 3 v times as bright, and it is the
-// same from wherever and whenever it is seen. Public scans have such tails: neighbouring returns
-// mostly agree within the noise, and now and then differ by a multiple (docs/devices/velodyne.md).
+// How the reflectance of fixed things varies over their surface: worn and dirty paint, windows in a
+// facade, stones, tufts of grass. In cells of 0.5 m it is the material's times 1 + v (4 u^3 - 1),
+// with v the material's variation and u uniform in 0 .. 1, drawn from the cell alone: the mean is
+// the material's, most cells are darker, few are up to 1 + 3 v times as bright, and it does not
+// depend on place or time of the view. Public scans have such tails: neighbouring returns mostly
+// agree within the noise, and now and then differ by a multiple (docs/devices/velodyne.md).
 //
 // The cells are cubes of a lattice in the world that is turned against its axes, so that no wall or
 // floor lies along their faces.

@@ -50,7 +50,7 @@ void pass_holes(const RTCFilterFunctionNArguments* arguments) {
 }
 
 constexpr float kForever = std::numeric_limits<float>::infinity();
-/// A ray through an edge meets both of its triangles at the same place.
+/// A ray through an edge hits both of its triangles at the same place.
 constexpr float kSameCrossing_m = 1e-4F;
 constexpr std::size_t kMostCrossings = 256;
 
@@ -794,7 +794,7 @@ void Scene::update_terrain(InstanceId terrain, const NodeRectangle& changed,
   changing.staged = changing.staged ? changing.staged->joined(changed) : changed;
 }
 
-// Where things are in a slice of time: the part of Scene that tells Embree.
+// Placing things for a slice of time: the part of Scene that updates Embree.
 
 void Scene::Internals::place_fixed() {
   // Others may be casting into the present one; it is theirs then.
@@ -984,7 +984,7 @@ void Scene::begin_slice(SimTime t0, SimTime t1, const ScenePlacement& placement,
   in.place_moving(t0, t1, motions);
 }
 
-// The scene as satellite signals meet it: solid things stop them, crowns let them through.
+// Rays of satellite signals: solid things block them, crowns let them pass.
 
 bool Scene::blocked(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
                     double clearance_m) const {

@@ -8,7 +8,7 @@
 // (measured by `rigwire bench lidar`).
 //
 // Moving bodies are given by their poses at both ends of a slice of time; a ray at a time within
-// the slice meets them where they are then, poses blended linearly: the error of the blend is at
+// the slice hits them at their poses at that time, blended linearly: the error of the blend is at
 // most (w h)^2 / 8 times the distance from the body's origin (w rad/s turned over h seconds), 0.01
 // mm at 8 m for 1 rad/s and slices of 3 ms.
 //
@@ -17,10 +17,10 @@
 //
 // Fixed objects and moving ones are two of Embree's scenes, and a ray is cast into both: thousands
 // of trees cost nothing in a slice of time, in which only bodies and dug terrain change. The fixed
-// one is built again when the local origin moves.
+// scene is rebuilt when the local origin moves.
 //
-// Something fixed may leave its place: a tree that is pushed over. displace() takes it out of what
-// is fixed, which is built anew that one time, and gives it a place among what moves.
+// A fixed object may leave its place: a tree that is pushed over. displace() removes it from the
+// fixed scene, which is rebuilt that one time, and adds it to the moving one.
 //
 // Thread use: casting is const and may run on many threads; building and begin_slice() may not run
 // beside it. For rays of another thread, at other instants, there is twin(): a scene that shares
@@ -61,7 +61,7 @@ struct Material {
   /// (Scene::add_canopy).
   bool loose_leaves = false;
   /// How far the reflectance differs over the surface and from object to object, 0 .. 1
-  /// (reflectance_grain.h). For what stands still; bodies have one reflectance.
+  /// (reflectance_grain.h). For fixed things; bodies have one reflectance.
   double variation = 0.0;
 
   friend bool operator==(const Material&, const Material&) = default;
@@ -71,7 +71,7 @@ void visit(fields::Visitor& v, Material& p);
 /// Throws std::invalid_argument naming the key, the value found and what is allowed.
 void validate(const Material& material);
 
-/// A part of a model: a mesh with the surface that it has wherever the model stands.
+/// A part of a model: a mesh with its surface, the same in all instances of the model.
 struct MeshPart {
   TriangleMesh mesh;
   Material material;
@@ -108,7 +108,7 @@ struct ScenePlacement {
   std::shared_ptr<const std::vector<DisplacedPiece>> displaced;
 };
 
-/// What a single ray met.
+/// Hit of a single ray.
 struct SceneHit {
   double range_m = 0.0;
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< Unit, towards the ray's start.
@@ -157,15 +157,16 @@ class Scene final : public Visibility {
   /// name. Throws std::invalid_argument when `model` is a plain mesh.
   InstanceId add_model_object(MeshId model, const Eigen::Isometry3d& X_WM, double scale,
                               std::string_view name);
-  /// Closed surfaces that only sky_path() meets, as foliage: the crowns of trees whose leaves are
-  /// modelled one by one.
+  /// Adds closed surfaces that only sky_path() hits, as foliage: the crowns of trees whose leaves
+  /// are modelled one by one.
   CanopyId add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM);
 
-  /// Set-up of a terrain that will be dug: it is kept in tiles from now on, so that a change
-  /// costs only where it happened. Rays meet the same triangles as before. Throws
-  /// std::invalid_argument when `terrain` is no terrain.
+  /// Prepares a terrain for digging: it is kept in tiles from now on, so that a change costs only
+  /// where it happened. Rays hit the same triangles as before. Throws std::invalid_argument when
+  /// `terrain` is no terrain.
   void make_changeable(InstanceId terrain);
-  /// Least simulated time between two changes that the rays see, 0 at the start: every slice.
+  /// Sets the minimum simulated time between two changes that the rays see; 0 at the start: every
+  /// slice.
   void set_terrain_period(Duration period);
   /// Sets the heights of these nodes to those of `field`, a field of the terrain's own shape. Rays
   /// see them from the next begin_slice() that is a terrain period after the last change. Cheap by

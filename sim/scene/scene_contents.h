@@ -1,8 +1,7 @@
 // The contents of a scene as plain lists, for renderers other than the ray caster.
 //
-// It is a copy of the scene at the time of the call; terrain has its heights as they are staged.
-// Canopies, which only radio signals meet, and masks of leaves are left out: a card of leaves is
-// drawn whole.
+// It is a copy of the scene at the time of the call; terrain has its staged heights. Canopies,
+// which only radio signals hit, and masks of leaves are left out: a card of leaves is drawn whole.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -67,7 +66,7 @@ struct DisplacedThing {
   ScenePiece piece;
   Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
 };
-/// Those that rays meet; what only radio signals meet is left out.
+/// Returns those that rays hit, without those that only radio signals hit.
 [[nodiscard]] std::vector<DisplacedThing> displaced_things(const ScenePlacement& placement);
 
 }  // namespace rigwire::sim

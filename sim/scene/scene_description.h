@@ -85,7 +85,7 @@ struct NamedMaterial {
 };
 void visit(fields::Visitor& v, NamedMaterial& p);
 
-/// A mesh that stands in the scene.
+/// A mesh at a fixed place in the scene.
 struct FixedObject {
   std::string name;
   std::string mesh;  ///< Name of a mesh in the library given to build_scene().
@@ -99,7 +99,7 @@ struct FixedObject {
 };
 void visit(fields::Visitor& v, FixedObject& p);
 
-/// A box that stands in the scene: a building, a kerb.
+/// A box at a fixed place in the scene: a building, a kerb.
 struct BoxObject {
   std::string name;
   Eigen::Vector3d size_m = Eigen::Vector3d::Ones();      ///< Full lengths along its own axes.
@@ -170,7 +170,7 @@ struct LooseLook {
   Material material;
 };
 
-/// A scene and what machines stand on and run into: Ground(ground, soils, obstacles).
+/// A scene and the ground and obstacles for machines: Ground(ground, soils, obstacles).
 struct BuiltScene {
   std::unique_ptr<Scene> scene;
   Scene::InstanceId terrain = 0;

@@ -98,9 +98,9 @@ inline void set_transform(RTCGeometry geometry, const Transform& transform) {
   rtcCommitGeometry(geometry);
 }
 
-/// What a ray has met, as index into Scene::Internals::shading and instance_of, from the numbers
-/// that it comes back with; RTC_INVALID_GEOMETRY_ID: nothing. A model is one instance for Embree:
-/// its parts' indices follow each other.
+/// Converts Embree's numbers of a hit to an index into Scene::Internals::shading and instance_of;
+/// RTC_INVALID_GEOMETRY_ID: no hit. A model is one instance for Embree: its parts' indices are
+/// consecutive.
 inline std::uint32_t surface_number(std::uint32_t instance, std::uint32_t part) {
   return part == RTC_INVALID_GEOMETRY_ID ? RTC_INVALID_GEOMETRY_ID : instance + part;
 }
@@ -126,8 +126,9 @@ struct PaintedSurface;
 
 struct Scene::Internals {
   static constexpr std::uint32_t kFixed = 0xFFFFFFFFU;
-  /// Embree's numbers from 0 on are kept for what moves: every slice, its commit runs through all
-  /// numbers up to the greatest in `moving`. More moving things than these are slower, no more.
+  /// Embree's numbers from 0 on are reserved for moving things: in every slice its commit iterates
+  /// over all numbers up to the maximum in `moving`. More moving things than these only make it
+  /// slower.
   static constexpr std::uint32_t kLowNumbers = 1024;
 
   /// What Embree knows as one instance: a mesh, or a model with all its parts.
@@ -139,7 +140,7 @@ struct Scene::Internals {
     std::uint32_t geometry_id = 0;  ///< Embree's number of it: its first part's in `shading`.
     std::string name;
     MeshId mesh = 0;
-    std::uint32_t mask = 0;        ///< 0: rays do not meet it in `fixed` nor on a body.
+    std::uint32_t mask = 0;        ///< 0: rays do not hit it in `fixed` nor on a body.
     Eigen::AlignedBox3f bounds_M;  ///< Bounds of the mesh; empty for a canopy.
     bool gone = false;             ///< Displaced as a whole.
     bool reshaped = false;         ///< Its mesh is another one since it was placed.
@@ -166,10 +167,10 @@ struct Scene::Internals {
     /// u and v of the first corner, and on the way to the second and to the third.
     std::vector<std::array<float, 6>> triangles;
   };
-  /// A square part of a terrain that changes, so that a dug hole changes little: an instance of its
-  /// own for Embree, the terrain's for everybody else. Of triangles: Embree meets them in three
-  /// quarters of the time of a grid, coherent packets with the same ranges and normals to the bit,
-  /// for 300 bytes a cell more.
+  /// A square part of a changing terrain, so that a dug hole changes little: an instance of its own
+  /// for Embree, part of the terrain's instance elsewhere. It consists of triangles: Embree
+  /// intersects them in three quarters of the time of a grid, coherent packets with the same ranges
+  /// and normals to the bit, for 300 bytes a cell more.
   struct Tile {
     std::size_t first_column = 0;
     std::size_t first_row = 0;
@@ -180,7 +181,7 @@ struct Scene::Internals {
     GeometryHandle ground;
     SceneHandle inner;
     GeometryHandle placed;
-    bool reshaped = false;  ///< Its vertices have changed since Embree was last told.
+    bool reshaped = false;  ///< Its vertices have changed since the last commit to Embree.
   };
   /// What lies on a terrain's cells, row by row.
   struct Cover {
@@ -228,10 +229,10 @@ struct Scene::Internals {
   DeviceHandle device;
   /// What changes from slice to slice: bodies, and terrain that is dug.
   SceneHandle moving;
-  /// Everything else that rays meet. Twins cast into the same one: while one does, what is placed
-  /// anew is another one.
+  /// Everything else that rays hit. Twins cast into the same scene; if it is placed anew while one
+  /// does, a new scene is created.
   std::shared_ptr<RTCSceneTy> fixed;
-  SceneHandle canopy;  ///< Surfaces that only radio signals meet.
+  SceneHandle canopy;  ///< Surfaces that only radio signals hit.
   std::vector<std::shared_ptr<MaskedSurface>> masked;
   std::vector<std::shared_ptr<const PaintedSurface>> painted;
   std::vector<Mesh> meshes;
@@ -300,7 +301,7 @@ struct Scene::Internals {
   Terrain& terrain_of(std::uint32_t instance);
   /// Takes staged heights into the tiles' vertices when they are due at `begin` of a slice.
   void refresh_terrains(SimTime begin);
-  /// Tells Embree of the tiles whose vertices have changed.
+  /// Commits to Embree the tiles whose vertices have changed.
   void commit_tiles();
   /// Places what is fixed when it is not, or when `focus_W` is far from the origin of the rays.
   void follow(const Eigen::Vector3d& focus_W);
@@ -322,7 +323,7 @@ struct Scene::Internals {
                                   bool others) const;
   /// Returns the first of `parts` consecutive numbers for parts that will move.
   std::uint32_t new_moving_ids(std::uint32_t instance, std::uint32_t parts);
-  /// Tells Embree where the displaced pieces are, if that is another place.
+  /// Updates the displaced pieces' poses in Embree if they have changed.
   void place_displaced();
   /// Beginning and placing of what moves, when the rest is placed.
   void place_moving(SimTime begin, SimTime end, std::span<const BodyMotion> motions);

@@ -39,7 +39,7 @@ struct SoilStretch {
 
   std::string track;
   double from_m = 0.0;  ///< Along the track's line.
-  double to_m = 10.0;   ///< At least from_m.
+  double to_m = 10.0;   ///< Not below from_m.
 };
 void visit(fields::Visitor& v, SoilStretch& p);
 

@@ -29,7 +29,7 @@ constexpr double kTreeBelowGround_m = 0.3;
 constexpr int kTrunkSides = 8;
 constexpr int kCrownSides = 9;
 
-/// Remembers where trees stand by cells of the spacing.
+/// Stores the trees' places by cells of the spacing.
 class Stand {
  public:
   explicit Stand(double spacing_m) : spacing_m_(std::max(spacing_m, 1e-3)) {}

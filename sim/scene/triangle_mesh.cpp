@@ -141,7 +141,7 @@ TriangleMesh make_rock(std::string name, RandomStream& random) {
             .cast<float>();
     const auto distance = static_cast<float>(random.uniform(0.6, 0.9));
     for (auto& vertex : mesh.vertices) {
-      // A cut by a plane: what stands beyond it is drawn in along its ray.
+      // Cuts by a plane: vertices beyond it are drawn in along their rays.
       const float height = vertex.dot(normal);
       if (height > distance) {
         vertex *= distance / height;

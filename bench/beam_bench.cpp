@@ -104,7 +104,7 @@ void add_crates(sim::Scene& scene, sim::RandomStream& random) {
   }
 }
 
-/// A level ground, and what stands on it.
+/// Adds level ground and the objects on it.
 void furnish(sim::Scene& scene, void (*add)(sim::Scene&, sim::RandomStream&)) {
   sim::HeightField ground;
   ground.cell_m = 1.0;
@@ -193,7 +193,7 @@ SubRayError compare(std::span<const LidarFiring> found, std::span<const LidarFir
 }  // namespace
 
 /// Casts the same sector with 1, 5 and 19 sub-rays and with the reference's, per scene; the CPU
-/// time is the least of kRounds.
+/// time is the minimum of kRounds.
 std::vector<SubRayError> measure_sub_rays(Duration sector_length) {
   if (sector_length < kLeastSector) {
     throw std::invalid_argument(

@@ -155,8 +155,8 @@ nlohmann::json measure_recording(std::ostream& text) {
     const char* name;
     bool records;
     bool clouds = false;       ///< `/points` of each lidar, a turn a second.
-    double cpu = 0.0;          ///< Share of a core, least of the rounds.
-    double lateness_us = 0.0;  ///< p99, the greatest of the devices, least of the rounds.
+    double cpu = 0.0;          ///< Share of a core, minimum of the rounds.
+    double lateness_us = 0.0;  ///< p99, maximum over devices, minimum over rounds.
     double truth_mb_s = 0.0;   ///< Data rate of the MCAP file.
   };
   std::vector<Way> ways{{"not recorded", false}, {"recorded", true}, {"and /points", true, true}};

@@ -50,7 +50,7 @@ double timed(const Work& work) {
   return hil::thread_cpu_seconds() - before_s;
 }
 
-/// Least of a few.
+/// Returns the minimum time of several runs.
 template <class Work>
 double least_of(int rounds, const Work& work) {
   double least_s = timed(work);
@@ -417,7 +417,7 @@ std::vector<TextureCost> measure_textures(int width_px, int rounds, int referenc
     for (const Surface& surface : surfaces) {
       cases.emplace_back(surface.name, surface.mesh, "concrete", view.X_WS);
     }
-    // In turns, so that what else the machine does meets all of them.
+    // In turns, so that other load of the host affects all of them.
     std::array<double, surfaces.size()> least_s{};
     sim::RenderedPicture picture;
     for (int round = 0; round < rounds; ++round) {
@@ -492,7 +492,7 @@ std::vector<SensorFigure> measure_sensor() {
       xy += mean * (point.variance - dark.variance);
       xx += mean * mean;
     }
-    // Saturation is where the variance is greatest.
+    // Saturation is at the maximum of the variance.
     if (point.variance > peak_variance) {
       peak_variance = point.variance;
       saturation = mean / gain;

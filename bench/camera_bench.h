@@ -81,8 +81,8 @@ struct SamplingWay {
 [[nodiscard]] std::vector<SamplingWay> sampling_ways();
 
 /// Rms difference of the scene's light, in grey levels of 8 bits when the mean is at 100, from a
-/// picture of `reference_samples` behind the same lens; and CPU time, one thread, against that of
-/// the first way, the least of `rounds` in turns.
+/// picture of `reference_samples` behind the same lens; and CPU time, one thread, relative to that
+/// of the first way, the minimum of `rounds` in turns.
 struct SamplingError {
   std::string scene;
   std::string way;
@@ -119,8 +119,8 @@ struct AirCost {
 struct TextureCost {
   std::string view;
   std::string surface;
-  double pixel_ns = 0.0;  ///< CPU time; one thread.
-  double ratio = 0.0;     ///< Time over that of the label's material, both the least of the rounds.
+  double pixel_ns = 0.0;    ///< CPU time; one thread.
+  double ratio = 0.0;       ///< Time over that of the label's material, both minimum of rounds.
   double rms_levels = 0.0;  ///< RMS difference of one sample against many, as in SamplingError.
 };
 

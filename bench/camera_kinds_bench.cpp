@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 constexpr std::uint64_t kCameraKindsSeed = 1;
 constexpr double kCameraKindsMeanLevel = 100.0;
 
-/// CPU seconds of this thread, least of a few.
+/// CPU seconds of this thread, minimum of several runs.
 template <class Work>
 double least_of_rounds(int rounds, const Work& work) {
   double least_s = std::numeric_limits<double>::infinity();

@@ -61,7 +61,7 @@ class Sender final : public emulators::FrameOutput {
   SimTime last_ = kStart;
 };
 
-/// Stands between a node and its sender and sums bits.
+/// Checks due times between a node and its sender by counting bits.
 class Checker final : public emulators::FrameOutput {
  public:
   explicit Checker(std::uint64_t& bits, double& worst_ns, Sender& sender)

@@ -1,5 +1,5 @@
-// A rig's machine carried along the first closed track of its scene at constant speed, its links as
-// they stand at the start: its own body is in view of its sensors, and nothing has to be driven.
+// A rig's machine carried along the first closed track of its scene at constant speed, its links
+// fixed as at the start: its own body is in view of its sensors, and nothing has to be driven.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -111,7 +111,7 @@ ContactOutcome roll_ball(double step_s) {
 constexpr double kWheel_m = 0.5;
 constexpr double kPull = 1.0;  ///< At the axle, over the weight.
 
-/// Greatest step that the wheel climbs, pulled at its axle: by bisection.
+/// Maximum step that the wheel climbs, pulled at its axle: by bisection.
 ContactOutcome climb(double step_s) {
   constexpr double kMass_kg = 400.0;
   Account account;
@@ -321,8 +321,8 @@ std::vector<ContactCase> contact_cases() {
   return cases;
 }
 
-/// Lets the stack settle for 3 s, then measures drift and energy gain: the greatest fall of lost_j
-/// from its maximum so far.
+/// Runs the stack for 3 s to settle, then measures drift and energy gain: the maximum drop of
+/// lost_j from its maximum so far.
 StackRest rest_stack(bool awake, double span_s) {
   constexpr double kStep_s = 1e-3;
   constexpr double kSettling_s = 3.0;
@@ -385,7 +385,7 @@ ContactSweep sweep_pit(int seeds) {
       machine.step(std::chrono::milliseconds(1));
       const sim::ContactReport& start = *machine.contact_report();
       if (start.points > 0 || start.deepest_m > 0.0) {
-        continue;  // In the truck or its heap: no rig may stand so.
+        continue;  // Within the truck or its heap: not a valid start of a rig.
       }
       sweep.thrown += swing(machine, i % 2 == 0 ? 0.8 : -0.8, 1e-3, 3.0, account) ? 1 : 0;
       sweep.touched += machine.contact_report()->touches > 0 ? 1 : 0;

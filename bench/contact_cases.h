@@ -1,9 +1,8 @@
-// Contact with solid things: what it costs against how much is near, and how wrong it is against
-// the step.
+// Contact with solid things: its cost by the number of near things, and its error by the step.
 //
-// Cases are bodies and machines with the numbers of their files. Energy that contacts gave is the
-// most by which what they had lost so far ever fell (sim/contact/contact_report.h): it is 0 for a
-// contact that only takes. Closed forms stand beside the cases that have one.
+// Cases are bodies and machines with the numbers of their files. Energy gained from contacts is the
+// maximum drop of the energy lost so far (sim/contact/contact_report.h): it is 0 for a dissipative
+// contact. Cases with a closed form report it, too.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +15,7 @@
 
 namespace rigwire::bench {
 
-/// CPU time of a Unimog's step, level full, at 5 m/s out of gear, the least of several runs.
+/// CPU time of a Unimog's step, level full, at 5 m/s out of gear, the minimum of several runs.
 struct ContactCost {
   std::string where;  ///< "about": all over 200 m, the way free. "along": on both sides of the
                       ///< way, 0.1 m clear of the tyres.
@@ -62,7 +61,7 @@ struct StackRest {
 struct ContactSweep {
   std::string name;
   int runs = 0;
-  int touched = 0;  ///< Runs that met something.
+  int touched = 0;  ///< Runs with a contact.
   int thrown = 0;   ///< Runs in which anything was faster than when it came, by a tenth.
   ContactOutcome worst;
 };

@@ -11,13 +11,13 @@ namespace rigwire::bench {
 inline constexpr int kCostVariants =
     512;  ///< Different inputs, so that nothing is found once only.
 
-/// Makes the compiler believe that somebody reads what is there.
+/// Prevents the compiler from removing the computation of `*data`.
 inline void keep(const void* data) {
   asm volatile("" : : "g"(data) : "memory");
 }
 
-/// Nanoseconds of CPU time of one call of make(i), i = 0 .. kCostVariants - 1 over and over: the
-/// least of five runs of 40 ms.
+/// Returns nanoseconds of CPU time of one call of make(i), i = 0 .. kCostVariants - 1 over and
+/// over: the minimum of five runs of 40 ms.
 template <class Make>
 [[nodiscard]] double nanoseconds_of(const Make& make) {
   constexpr int kRuns = 5;

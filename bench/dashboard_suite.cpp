@@ -1,6 +1,6 @@
-// What somebody who looks on costs a run: the same rig without a dashboard, with one at which
-// nobody looks, with a viewer of what the page subscribes to when it is opened, and of all that it
-// can. Processors are kept awake, as waking them is most of what is late otherwise.
+// What viewers cost a run: the same rig without a dashboard, with one without viewers, with a
+// viewer of the topics that the page subscribes to when it is opened, and with a viewer of all
+// topics. Processors are kept awake, as waking them causes most of the lateness otherwise.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -64,11 +64,11 @@ struct Way {
   bool dashboard;
   std::function<bool(std::string_view)> wants;  ///< Empty: no viewer.
 
-  // Least of the rounds, as other processes only add to them.
+  // Minimum of the rounds, as other processes only add to them.
   double core = std::numeric_limits<double>::infinity();  ///< CPU time per simulated second.
   double p50_us = std::numeric_limits<double>::infinity();
   double p99_us = std::numeric_limits<double>::infinity();
-  double p99_most_us = 0.0;  ///< Greatest of the rounds: scatter by chance.
+  double p99_most_us = 0.0;  ///< Maximum of the rounds: shows the scatter.
   double picture_s = std::numeric_limits<double>::infinity();
   // Values of the last round.
   double pace = 0.0;  ///< Simulated time per wall time.
@@ -77,7 +77,7 @@ struct Way {
   std::uint64_t not_shown = 0;
 };
 
-/// A run on which somebody looks, once there is a picture.
+/// A run with its viewer, from the first picture on.
 class Looked {
  public:
   Looked(const char* rig, const Way& way, const std::vector<std::string>& more)
@@ -129,7 +129,7 @@ class Looked {
   std::optional<StreamViewer> viewer_;
 };
 
-/// The greatest of the devices.
+/// The maximum over the devices.
 double lateness_us(const nlohmann::json& report, const char* quantile) {
   double greatest = 0.0;
   for (const nlohmann::json& device : report["devices"]) {

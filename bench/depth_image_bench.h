@@ -50,7 +50,7 @@ struct DepthImageError {
   std::array<RangeClassError, kRangeClasses_m.size()> classes;
 };
 
-/// One entry per sampling of the variant. The sensor stands; noise is off.
+/// Returns one entry per sampling of the variant. The sensor is at rest; noise is off.
 [[nodiscard]] std::vector<DepthImageError> measure_depth_images(const LidarCase& scene,
                                                                 const DepthImageVariant& variant);
 

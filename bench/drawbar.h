@@ -5,20 +5,19 @@
 // Their K is 20 mm, an estimate: the table has none for them.
 //
 // Field: W. W. Brixius, Traction prediction equations for bias ply tires, ASAE paper 87-1622, 1987,
-// as ASABE D497 has it, a fit to field tests of tractors' tyres; quoted from memory and not checked
-// against the paper, but constant for constant as two open programs of others have it. It knows a
-// soil by its cone index only, which Wong's table has not: it is taken from his moduli, the mean of
-// Bekker's pressure over the way of 0.15 m, the radius of the ASAE cone's base as his b (of a round
-// plate the radius). That carries moduli of plates 50 to 100 mm wide to one of 10 mm: the cone
-// index is the least sure of these figures.
+// as in ASABE D497, a fit to field tests of tractors' tyres; quoted from memory and not checked
+// against the paper, but with the same constants as two open programs of others. Its only soil
+// parameter is the cone index, which Wong's table lacks: it is computed from his moduli, as the
+// mean of Bekker's pressure down to 0.15 m, with the radius of the ASAE cone's base as his b (for a
+// round plate, the radius). That applies moduli of plates 50 to 100 mm wide to one of 10 mm: the
+// cone index is the most uncertain of these figures.
 //
-// Test bed: the one published pull over slip at hand that comes with its own soil's moduli. L. Ding
-// and others, Experimental study and analysis on driving wheels' performance for planetary
-// exploration rovers moving in deformable soil, J. Terramechanics 48 (2011) 27: rigid wheels of 157
-// mm radius with 80 N on a dry simulant, smooth, and with 30 lugs of 10 mm. Soil: their table 2,
-// K the middle of 9.7 to 13.1 mm. Points: read off their figure 9 by others (the table
-// single_wheel_experiments of the open project roverdevkit, which calls them approximate), to half
-// a newton.
+// Test bed: the only available published pull over slip with its own soil's moduli. L. Ding and
+// others, Experimental study and analysis on driving wheels' performance for planetary exploration
+// rovers moving in deformable soil, J. Terramechanics 48 (2011) 27: rigid wheels of 157 mm radius
+// with 80 N on a dry simulant, smooth, and with 30 lugs of 10 mm. Soil: their table 2, K the middle
+// of 9.7 to 13.1 mm. Points: read off their figure 9 by others (the table single_wheel_experiments
+// of the open project roverdevkit, which calls them approximate), to half a newton.
 #pragma once
 
 #include <algorithm>

@@ -21,7 +21,7 @@ std::string error_text(const MachinePrecisionRow& row) {
   return row.diverged ? "diverged" : fmt::format("{:.1e}", row.greatest_error_m);
 }
 
-/// One line per method: greatest error at each step, cost at 1 ms.
+/// Writes one line per method: maximum error at each step, cost at 1 ms.
 void precision_text(std::ostream& text, const MachineCase& of, const MachinePrecision& found) {
   for (const StepMethod& method : kMachineMethods) {
     text << fmt::format("{:<18} {:<12} {:<8} {:>6g} {:<23}", of.machine, of.level, of.scene,

@@ -10,7 +10,7 @@ struct MessageCost {
   std::string message{};
   std::string wire{};
   std::size_t bytes = 0;               ///< Size of the message; of the answer, for a round trip.
-  double nanoseconds = 0.0;            ///< CPU time of one, least of several runs.
+  double nanoseconds = 0.0;            ///< CPU time of one, minimum of several runs.
   double per_second = 0.0;             ///< Messages that one core makes.
   double wire_limit_per_second = 0.0;  ///< Messages back to back on an otherwise idle wire.
   double worst_error = 0.0;            ///< Error of a value after encoding and decoding,

@@ -58,9 +58,9 @@ struct ExcavatorStepCost {
     int steps = 20000, sim::ExcavatorLevel level = sim::ExcavatorLevel::dynamic,
     sim::ExcavatorCarrier carrier = sim::ExcavatorCarrier::fixed);
 
-/// How stiff the drives may be at a step of 1 ms, and what the arm's step makes of it there.
+/// How stiff the drives may be at a step of 1 ms, and the arm's error and cost there.
 struct StiffestDrive {
-  double factor = 0.0;     ///< Greatest on all four stiffnesses that validate() allows, to 1 %.
+  double factor = 0.0;     ///< Maximum on all four stiffnesses that validate() allows, to 1 %.
   WorkPrecisionRow row{};  ///< At that factor and 1 ms.
   /// The whole machine, moved for 4 s there, keeps finite joint rates below 10 rad/s.
   bool machine_stable = false;

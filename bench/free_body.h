@@ -1,4 +1,4 @@
-// A single rigid body that flies, falls and meets obstacles: the smallest machine there is, for
+// A single rigid body that flies, falls and hits obstacles: the smallest machine there is, for
 // figures and tests of the contact alone. Its step is the machines' own: linearly implicit, clamp
 // last.
 #pragma once

@@ -17,7 +17,7 @@ struct DilutionCost {
   std::string sky{};           ///< "mask 10 deg", "street, 45 deg walls".
   std::size_t epochs = 0;      ///< With four satellites or more.
   double satellites = 0.0;     ///< Mean.
-  double regression_ns = 0.0;  ///< CPU time of one, least of several runs.
+  double regression_ns = 0.0;  ///< CPU time of one, minimum of several runs.
   double geometric_ns = 0.0;
   /// Regression / geometry: exp of the mean and of the standard deviation of the logarithm.
   double horizontal_ratio = 0.0;
@@ -33,7 +33,7 @@ struct DilutionCost {
 /// against the world frame's own, exact conversion.
 struct TangentCost {
   double distance_m = 0.0;  ///< From the origin.
-  double plane_ns = 0.0;    ///< CPU time of one point, least of several runs.
+  double plane_ns = 0.0;    ///< CPU time of one point, minimum of several runs.
   double frame_ns = 0.0;
   double plane_error_m = 0.0;         ///< Worst over all directions, horizontal.
   double plane_height_error_m = 0.0;  ///< Worst: the earth falls away below the plane.

@@ -31,7 +31,7 @@ struct Lap {
 [[nodiscard]] std::vector<Lap> drive_lap(const hil::RigConfiguration& rig, double speed_mps,
                                          double spacing_m);
 
-/// Least and greatest of the epochs that have a value.
+/// Minimum and maximum of the epochs that have a value.
 struct LapRange {
   struct Span {
     double least = 0.0;

@@ -73,7 +73,7 @@ class Canyon {
     antenna.v_WL_W.x() = driven ? kDriven_mps : 0.0;
     antenna.X_WL.translation() += antenna.v_WL_W;
   }
-  /// The scene as it is looked at from the antenna at that time.
+  /// Returns the scene prepared for the antenna's view at that time.
   const sim::Scene& at(SimTime time, const sim::LinkMotion& antenna) {
     scene_.begin_slice(time, time + std::chrono::milliseconds{1}, antenna.X_WL.translation(), {});
     return scene_;

@@ -99,7 +99,7 @@ IsolatedRun::Ended IsolatedRun::wait() {
 }
 
 IsolatedRun::Usage IsolatedRun::usage() const {
-  // After the name of the program, which may hold anything, field 3 of proc(5) stands; user time is
+  // Field 3 of proc(5) follows the name of the program, which may hold any characters; user time is
   // 14, system time 15, resident pages 24.
   constexpr int kFirst = 3;
   std::ifstream file(fs::path("/proc") / std::to_string(process_) / "stat");

@@ -8,9 +8,9 @@
 
 namespace rigwire::bench {
 
-/// The lidar stage against bare Embree on the very same rays: the rig's own scene and machine, all
+/// The lidar stage against bare Embree on the same rays: the rig's own scene and machine, all
 /// functions in motion, rays from the rig's own mount. One thread, CPU time of the thread. Both are
-/// cast slice by slice in turns, so that a disturbance of the machine meets both.
+/// cast slice by slice in turns, so that a disturbance of the host affects both.
 struct LidarStageCost {
   int slice_ms = 0;
   std::size_t instances = 0;    ///< In the scene.

@@ -23,7 +23,7 @@ inline constexpr Duration kBenchRevolution = std::chrono::milliseconds{100};
 /// 600 rpm.
 [[nodiscard]] LidarCommand bench_rotor();
 
-/// A scene and where a lidar stands in it.
+/// A scene and the pose of a lidar in it.
 struct LidarCase {
   std::string name;
   std::unique_ptr<sim::Scene> scene;

@@ -85,7 +85,7 @@ Isometry3d boom_at(double t) {
   return X;
 }
 
-/// Where a ray from `p` along `d` at time `t` meets the plate's near side, and how far inside its
+/// Where a ray from `p` along `d` at time `t` hits the plate's near side, and how far inside its
 /// rim (negative: outside).
 struct PlateHit {
   double range_m = 0.0;

@@ -15,15 +15,15 @@ struct LidarLeaks {
   std::uint64_t strayed = 0;  ///< Rays that hit farther away than the mesh reaches.
 };
 
-/// At least `rays` of them.
+/// Counts leaks over at least `rays` rays.
 [[nodiscard]] LidarLeaks count_lidar_leaks(std::uint64_t rays);
 
 /// A plate at the end of a boom of 8 m that swings at 1 rad/s, against the closed form at each
 /// ray's own instant.
 struct RebuildInterval {
   int slice_ms = 0;
-  bool blended = true;  ///< Bodies move during the slice; otherwise they stand where they are at
-                        ///< its middle.
+  bool blended = true;  ///< Bodies move during the slice; otherwise they are fixed at their
+                        ///< poses at its middle.
   std::size_t rays = 0;
   std::size_t missed =
       0;  ///< Rays that hit the plate in one of the two only, 20 mm inside its rim.

@@ -86,7 +86,7 @@ void write_rays(const std::filesystem::path& path, const LidarCase& scene, const
 
 }  // namespace
 
-// Times the lidar stage and Embree's bare calls in turns, least of the rounds, and writes scene,
+// Times the lidar stage and Embree's bare calls in turns, minimum of the rounds, and writes scene,
 // rays and ranges for other programs.
 LidarPeerFigures measure_and_write_for_peers(const std::filesystem::path& folder, int rounds) {
   if (rounds < 1) {

@@ -7,7 +7,7 @@
 
 namespace rigwire::bench {
 
-/// One revolution in pit_case(): 69 440 rays. Single thread, CPU time, least of `rounds`.
+/// One revolution in pit_case(): 69 440 rays. Single thread, CPU time, minimum of `rounds`.
 struct LidarPeerFigures {
   std::size_t triangles = 0;
   std::size_t rays = 0;

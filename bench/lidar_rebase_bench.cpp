@@ -107,7 +107,7 @@ std::vector<RebaseError> measure_rebasing(const std::vector<double>& map_offsets
       error.rebased = errors_of(scene, centre_W, from_centre, kEnd);
     }
     {
-      // The scene is told that the sensor is at the map origin, so its local origin stays there.
+      // The scene is given the map origin as the sensor's place, so its local origin stays there.
       sim::Scene scene;
       scene.add_object(scene.add_mesh(baked_plane(centre_W)), Eigen::Isometry3d::Identity(), 1.0,
                        {});

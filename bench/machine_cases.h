@@ -1,11 +1,10 @@
-// What the dynamics suite drives: every machine of the house at every level, on ground without
-// surprises.
+// Cases of the dynamics suite: every built-in machine at every level, on even ground.
 //
-// Two scenes for each. "smooth": nothing reaches a limit, nothing slides, stops or lets go, so that
-// a method shows its order. The excavator moves all four functions gently; vehicles coast at
-// 3 m/s in neutral with gentle steering, the roller swells its speed up and down. "switches": the
-// excavator asks for more than the pump has, both ways; vehicles and roller start uphill, swerve
-// and brake to a stop. All on a plane that rises by 5 degrees, except that an excavator's fixed
+// Each has two scenes. "smooth": nothing reaches a limit, slides, stops or loses contact, so that a
+// method shows its order. The excavator moves all four functions gently; vehicles coast at 3 m/s in
+// neutral with gentle steering, the roller varies its speed smoothly. "switches": the excavator
+// demands more than the pump delivers, both ways; vehicles and roller start uphill, swerve and
+// brake to a stop. All are on a plane that rises by 5 degrees, except that an excavator's fixed
 // carrier is level. Default parameters of each machine.
 #pragma once
 

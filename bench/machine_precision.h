@@ -1,18 +1,19 @@
-// Speed against error of whole machines: the same machine, the same commands, at several inner
-// steps against itself at a fine one.
+// Speed against error of whole machines: the same machine with the same commands at several inner
+// steps, compared with itself at a fine step.
 //
-// Two methods: the machine's own step, and its extrapolation to second order (extrapolated_step.h)
-// of where the links are, from a run with that step and one with half of it. The reference is the
+// Two methods: the machine's own step, and the extrapolation of its links' poses to second order
+// (extrapolated_step.h) from a run with that step and one with half of it. The reference is the
 // latter at a fine step.
 //
-// Integration error only: what a coarser step or the other method changes in the machine's own
-// equations. What another level or another parameter changes is machine_distance(). Error: distance
-// of a link's origin from the reference's, the greatest over all links, at the end and over a 20 ms
-// grid. Commands change on that grid only, so that every step sees the same ones.
+// The error is the integration error only: the effect of a coarser step or of the other method on
+// the machine's own equations. machine_distance() measures the effect of another level or
+// parameter. Error: distance of a link's origin from the reference's, the maximum over all links,
+// at the end and over a 20 ms grid. Commands change on that grid only, so that every step sees the
+// same ones.
 //
 // Time per step is CPU of one thread, median of several runs, called 20 ms at a time, with
 // everything that step() does (limits, drive line, look-up of a plane ground, motion of the links).
-// Making the machine, with whatever it settles before time 0, is not counted.
+// Creating the machine, including any settling before time 0, is not counted.
 #pragma once
 
 #include <array>
@@ -35,7 +36,7 @@ inline constexpr std::array kMachineMethods{StepMethod{"linearly_implicit_euler"
 struct MachineCase {
   std::string machine;
   std::string level;
-  std::string scene;              ///< "smooth", or "switches": limits and friction that let go.
+  std::string scene;              ///< "smooth", or "switches": limits and friction that release.
   double stiffness_factor = 1.0;  ///< On drives, or on tyres and springs.
   /// Throws std::invalid_argument where the machine refuses the step.
   std::function<std::unique_ptr<sim::Machine>(double step_s)> make;
@@ -55,8 +56,8 @@ struct MachinePrecisionRow {
 };
 
 struct MachinePrecision {
-  /// Greatest distance of the reference from that with twice its step: in smooth motion three times
-  /// its own error. Errors near it say nothing.
+  /// Maximum distance of the reference from that with twice its step: in smooth motion three times
+  /// its own error. Errors close to it are not meaningful.
   double reference_gap_m = 0.0;
   std::vector<MachinePrecisionRow> rows;  ///< Method by method, steps as asked for.
 };
@@ -73,8 +74,8 @@ struct MachinePrecisionSettings {
 [[nodiscard]] MachinePrecision measure_machine_precision(
     const MachineCase& machine_case, const MachinePrecisionSettings& settings = {});
 
-/// Slope of log(greatest error) over log(step) of one method, least squares over its steps up to
-/// 2 ms whose error is at least three times the reference's gap. Nothing with fewer than three.
+/// Slope of log(maximum error) over log(step) of one method, least squares over its steps up to 2
+/// ms whose error is at least three times the reference's gap; nullopt with fewer than three.
 [[nodiscard]] std::optional<double> measured_order(const MachinePrecision& precision,
                                                    const std::string& method);
 
@@ -83,9 +84,10 @@ struct MachineDistance {
   double greatest_m = 0.0;
 };
 
-/// How far apart two machines with the same links end when both do as `one` is told, each by its
-/// own step. Not finite when one of them is not. Throws as measure_machine_precision, and
-/// std::invalid_argument for machines with different numbers of links or spans.
+/// Returns the distance between two machines with the same links at the end when both execute the
+/// commands of `one`, each by its own step. Not finite when one of them is not. Throws as
+/// measure_machine_precision, and std::invalid_argument for machines with different numbers of
+/// links or spans.
 [[nodiscard]] MachineDistance machine_distance(const MachineCase& one, const MachineCase& other,
                                                double step_s);
 

@@ -1,6 +1,7 @@
-// rigwire-bench: what Rigwire's models and devices cost, and how far they are from dearer ones.
+// rigwire-bench: cost of Rigwire's models and devices, and their error against more costly ones.
 //
-// It stands beside `rigwire`, which starts it as `rigwire bench`; nothing of it is in the product.
+// It is installed beside `rigwire`, which starts it as `rigwire bench`; the product itself does not
+// contain it.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -1,11 +1,11 @@
-// What a Modbus TCP transaction costs: transactions per second on loopback, latency against a bare
-// echo server in the same run, and the server alone.
+// Cost of a Modbus TCP transaction: transactions per second on loopback, latency compared with a
+// bare echo server in the same run, and the server alone.
 //
 // One client sends a request of 12 bytes (function 3, 10 registers of a valve driver), waits for
 // the answer of 29 bytes, and sends the next. The bare server is a thread that blocks in recv() and
-// answers with 29 bytes. Clients and servers share one processor: on two, where the scheduler puts
-// the threads decides more than what they do (waking an idle processor of a virtual machine takes
-// 20 us). The two take turns, round by round, so that both meet the same host.
+// answers with 29 bytes. Clients and servers share one processor: on two, the scheduler's placement
+// of the threads matters more than their work (waking an idle processor of a virtual machine takes
+// 20 us). The two take turns, round by round, so that the host's load affects both.
 #pragma once
 
 #include <cstddef>

@@ -28,8 +28,8 @@ class PrivateRig {
   [[nodiscard]] std::uint16_t modbus_port() const { return modbus_port_; }
 
  private:
-  /// Both lidar ports stay bound here, so that each datagram reaches a socket and is dropped by the
-  /// kernel when that is full: nobody reads.
+  /// Both lidar ports stay bound here. No client reads them, so each datagram reaches a socket and
+  /// is dropped by the kernel when that is full.
   boost::asio::io_context io_;
   boost::asio::ip::udp::socket data_sink_;
   boost::asio::ip::udp::socket position_sink_;

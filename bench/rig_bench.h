@@ -1,7 +1,8 @@
-// The whole rig in this process: how fast it runs free, and how late its bytes are in real time.
+// The whole rig in this process: its speed without pacing, and its bytes' lateness in real time.
 //
-// Wires are private ones (private_rig.h); nobody reads the ptys and the datagrams, and one Modbus
-// master exchanges registers when the run is paced. The lidar fires all its 694 444 shots a second.
+// Wires are private ones (private_rig.h); no client reads the ptys and the datagrams, and one
+// Modbus master exchanges registers when the run is paced. The lidar fires all its 694 444 shots a
+// second.
 #pragma once
 
 #include <chrono>

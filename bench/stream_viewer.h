@@ -1,5 +1,5 @@
-// Somebody who looks on at a run: a client of its stream (docs/dashboard.md), which takes what it
-// subscribes to as fast as it comes and shows nothing.
+// A viewer of a run: a client of its stream (docs/dashboard.md), which receives its subscriptions
+// as fast as they arrive and displays nothing.
 #pragma once
 
 #include <cstdint>
@@ -23,9 +23,10 @@ class StreamViewer {
     std::uint64_t not_shown = 0;  ///< Messages that the server reports as not decoded.
   };
 
-  /// Looks on from now until its end, on a thread of its own. `page` is the address that the run
-  /// tells, "http://127.0.0.1:40123/#TOKEN"; `wants` is asked of each topic that the run has.
-  /// Throws what Boost throws, and std::invalid_argument for an address of another form.
+  /// Views the run from now until its end, on a thread of its own. `page` is the address that the
+  /// run reports, "http://127.0.0.1:40123/#TOKEN"; `wants` is called for each topic of the run and
+  /// returns whether to subscribe. Throws what Boost throws, and std::invalid_argument for an
+  /// address of another form.
   StreamViewer(const std::string& page, std::function<bool(std::string_view topic)> wants);
   ~StreamViewer();
   StreamViewer(const StreamViewer&) = delete;

@@ -21,8 +21,8 @@ nlohmann::json bench_buses(std::ostream& text);
 nlohmann::json bench_bridge(std::ostream& text);
 nlohmann::json bench_dashboard(std::ostream& text);
 
-/// Runs of `bridge` that go two at a time, before it is called; a tenth as many, and two at least,
-/// go one by one. A thousand unless said.
+/// Sets how many runs of `bridge` go two at a time; call it before bench_bridge(). A tenth as many,
+/// and at least two, go one by one. Default: 1000.
 void set_bridge_runs(int runs);
 
 }  // namespace rigwire::bench

@@ -26,8 +26,8 @@ struct Cell {
 };
 
 [[nodiscard]] Cell word(std::string_view key, std::string_view text);
-/// `format` is fmt's for one double, "{:.1f}%"; the line shows factor times the value. What is not
-/// finite is null in the object, as JSON has no such number.
+/// `format` is fmt's for one double, "{:.1f}%"; the line shows factor times the value. A non-finite
+/// value is null in the object, as JSON has no such number.
 [[nodiscard]] Cell number(std::string_view key, double value, std::string_view format,
                           double factor = 1.0);
 template <std::integral Count>

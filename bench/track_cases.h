@@ -1,6 +1,6 @@
-// The excavator on tracks against closed forms: what it stands in, how fast it is, what turning and
-// climbing take. Figures of the machine with the numbers of its file, its weight over the middle of
-// its tracks, 21 stations to a track.
+// The excavator on tracks against closed forms: sinkage, speed, and the effort of turning and
+// climbing. Figures of the machine with the numbers of its file, its weight over the middle of its
+// tracks, 21 stations to a track.
 //
 // Sources: M. G. Bekker's plate and compaction, Z. Janosi and B. Hanamoto's shear as J. Y. Wong has
 // them, Theory of Ground Vehicles, 4th edition 2008, chapters 2 and 4 (a track of even pressure,

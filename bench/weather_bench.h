@@ -12,7 +12,7 @@ struct WeatherCost {
   double beam_ns = 0.0;       ///< CPU time of one beam.
   double reference_ns = 0.0;  ///< CPU time of the same beam in small steps.
   double echo_share = 0.0;    ///< Share of beams with an echo from the air.
-  /// Greatest differences from small steps, over the beams compared.
+  /// Maximum differences from small steps, over the beams compared.
   double transmission_error = 0.0;
   double echo_energy_error = 0.0;  ///< Relative; 0 where no echo was compared.
   double echo_range_error_m = 0.0;

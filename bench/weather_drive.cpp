@@ -38,7 +38,8 @@ sim::WeatherBeam bench_beam(std::uint64_t number, LidarPlace place, SimTime time
   const double elevation_rad =
       (10.67 - 41.34 * sim::counter_uniform(number, 1)) / 180.0 * std::numbers::pi;
   sim::WeatherBeam beam;
-  // The trail ends at the vehicle; a follower drives 15 m behind, another lidar stands 80 m aside.
+  // The trail ends at the vehicle; a follower drives 15 m behind, another lidar is 80 m to the
+  // side.
   const double x_m = kDrive_mps * to_seconds(time) - 15.0;
   beam.start_W = {x_m, place == LidarPlace::in_dust ? 0.0 : 80.0, kHeight_m};
   beam.direction_W = {std::cos(elevation_rad) * std::cos(azimuth_rad),

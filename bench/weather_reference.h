@@ -1,5 +1,5 @@
-// The dear way to meet weather: small steps along the beam, each puff of dust evaluated at each,
-// and double integrals over the drops. Written from the definitions, sharing nothing with
+// A costly reference for beams in weather: small steps along the beam, each puff of dust evaluated
+// at each, and double integrals over the drops. Written from the definitions, sharing nothing with
 // sim/weather but its parameters and the puffs.
 #pragma once
 
@@ -11,14 +11,14 @@
 
 namespace rigwire::bench {
 
-/// What a beam meets, in steps of `step_m`: transmission, and the first echo of dust.
+/// Result of a beam in steps of `step_m`: transmission, and the first echo of dust.
 struct MarchedBeam {
   double transmission = 1.0;
   bool dust_echo = false;
   sim::AirEcho dust{};
 };
 
-/// For a constant weather: the first key frame. Wind is left out: puffs stand where they are.
+/// For a constant weather: the first key frame. Wind is left out: puffs do not move.
 [[nodiscard]] MarchedBeam march_beam(const sim::WeatherParameters& parameters,
                                      std::span<const sim::DustPuff> puffs,
                                      const sim::WeatherBeam& beam, double step_m);

@@ -1,6 +1,6 @@
 // Cases of the dynamics suite: every built-in machine at every level, on even ground.
 //
-// Each has two scenes. "smooth": nothing reaches a limit, slides, stops or loses contact, so that a
+// Each has two scenes. "smooth": nothing reaches a limit, slides, stops or breaks away, so that a
 // method shows its order. The excavator moves all four functions gently; vehicles coast at 3 m/s in
 // neutral with gentle steering, the roller varies its speed smoothly. "switches": the excavator
 // demands more than the pump delivers, both ways; vehicles and roller start uphill, swerve and

@@ -36,7 +36,8 @@ inline constexpr std::array kMachineMethods{StepMethod{"linearly_implicit_euler"
 struct MachineCase {
   std::string machine;
   std::string level;
-  std::string scene;              ///< "smooth", or "switches": limits and friction that release.
+  std::string scene;              ///< "smooth", or "switches": limits, and friction that breaks
+                                  ///< away.
   double stiffness_factor = 1.0;  ///< On drives, or on tyres and springs.
   /// Throws std::invalid_argument where the machine refuses the step.
   std::function<std::unique_ptr<sim::Machine>(double step_s)> make;

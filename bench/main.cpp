@@ -1,6 +1,6 @@
 // rigwire-bench: cost of Rigwire's models and devices, and their error against more costly ones.
 //
-// It is installed beside `rigwire`, which starts it as `rigwire bench`; the product itself does not
+// It is built beside `rigwire`, which starts it as `rigwire bench`; the product itself does not
 // contain it.
 #include <fmt/format.h>
 

@@ -11,11 +11,11 @@
 //          no seam, no interpolation, all of the sphere
 //   views  three or more cameras with plain lenses, all in one point, each for its share of the
 //          round, joined by interpolating their numbers: their pixels are wide in their middle and
-//          narrow at their edges, their noise is correlated, and above and below what their
-//          pictures reach the joined one is black. Three are those of Wolf, Groll, Hemer, Berns,
-//          "Evolution of robotic simulators", SIMULTECH 2020.
+//          narrow at their edges, their noise is correlated, and the joined picture is black above
+//          and below theirs. Three are those of Wolf, Groll, Hemer, Berns, "Evolution of robotic
+//          simulators", SIMULTECH 2020.
 // A picture of views shows each of them with its own noise, fixed pattern, dirt and fall-off of the
-// light. Cost and error of one against the other: `rigwire bench camera`.
+// light. Cost of both ways, and the error of one relative to the other: `rigwire bench camera`.
 //
 // A grey sensor gives Mono8, 10, 12; one behind a Bayer mosaic RGB8, its colours interpolated from
 // the nearest two or four pixels of theirs, without white balance.

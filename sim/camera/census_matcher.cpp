@@ -259,7 +259,7 @@ inline __attribute__((always_inline)) void sum_leftwards(Workplace<Sum>& w, std:
       first = here < first ? here : first;
     }
     const int best = first;
-    // The minimum over disparities that are not adjacent to the best.
+    // The minimum over disparities other than the best and its neighbours.
     const auto before = static_cast<Sum>(best - 1);
     Sum next = kNoSum<Sum>;
 #pragma GCC ivdep

@@ -14,7 +14,6 @@
 //           spread it by their five Perez numbers and chromaticities; these no more purple than the
 //           CIE's daylight locus, which real skies keep to (J. Hernandez-Andres, J. Romero, J. L.
 //           Nieves, R. L. Lee, "Color and spectral analysis of daylight in southern Europe", JOSA A
-//           Nieves, R. L. Lee, "Color and spectral analysis of daylight in southern Europe", JOSA A
 //           18(6), 2001), while the fit leaves it near the horizon; below 2 degrees of elevation
 //           the sun is taken as being at 2 degrees
 //   clouds  total times 1 - 0.75 c^3.4 (F. Kasten, G. Czeplak, 1980), sun times 1 - c, sky blended

@@ -26,8 +26,8 @@ class MedianFilter {
   std::vector<std::int16_t> low_, middle_, high_;
 };
 
-/// How to tell speckles from other islands. An island is a set of pixels connected by differences
-/// of at most `max_difference`, each to the pixel beside, above or below it.
+/// Separates speckles from other islands. An island is a set of pixels connected by differences of
+/// at most `max_difference`, each to the pixel beside, above or below it.
 struct SpeckleRule {
   int max_pixels = 0;      ///< Islands of at most so many pixels are removed.
   int max_difference = 0;  ///< In the picture's steps.

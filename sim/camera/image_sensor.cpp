@@ -447,8 +447,7 @@ void AutoExposure::taken(double mean, bool exposure_free, bool gain_free, const 
   const AutoExposureParameters& p = parameters_;
   const Choice measured = queue_.front();
   Choice chosen = queue_.back();
-  // The light that the picture would have needed, relative to what it got; 4 is the limit either
-  // way.
+  // Ratio of the light that the picture would have needed to what it got, within 1/4 .. 4.
   const double error = std::clamp(p.target / std::max(mean, 1e-3), 0.25, 4.0);
   if (std::abs(error - 1.0) > p.dead_band) {
     const double wanted = to_seconds(measured.exposure) * std::pow(10.0, measured.gain_db / 20.0) *

@@ -6,6 +6,7 @@
 // length and principal point) by interpolating its numbers between pixels, as such devices do, then
 // matched (stereo_matcher.h) by the upper eight bits. A head without distortion or misalignment is
 // rectified already, and its picture stays as it is, bit by bit.
+//
 // `misalignment` is what the calibration does not know: heads that have moved in their housing
 // since. 0.1 degree of pitch at a focal length of 533 pixels puts the rows 0.9 pixels apart.
 //

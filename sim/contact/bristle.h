@@ -17,7 +17,6 @@
 // repeated without the gain, and the bristle yields: it slides, and its deflection is at most limit
 // / k. It is not set to z = -F / k: where the damper contributed to F, that would bend the bristle
 // further than it has slid. Testing the limit before solving causes endless chatter at low speed.
-// before solving causes endless chatter at low speed.
 #pragma once
 
 #include <algorithm>

@@ -5,26 +5,26 @@
 //   sbas     code position with better orbits, clocks and ionosphere: 2.0 m CEP in place of 2.5 m
 //   service  precise point positions by satellite (StarFire SF2 class, 5 cm): the error shrinks
 //            over minutes, quickly again after a short loss
-//   rtk      real-time kinematic positions by what a base station's messages say that arrive at one
-//            of the device's ports (reference_station.h), and by nothing else: without a byte there
-//            is no differential position. Differential with the first usable epoch, float with the
+//   rtk      real-time kinematic positions by a base station's messages that arrive at one of the
+//            device's ports (reference_station.h), and by nothing else: without a byte there is
+//            no differential position. Differential with the first usable epoch, float with the
 //            second, fixed once the ambiguities are found; then 1 cm + 1 ppm of the baseline
 //            horizontally and 2 cm + 1 ppm vertically, as data sheets of such receivers state, and
 //            3 cm per minute of age. Integers fail their test at random, 12 times a second times
 //            the square of the share of unsound carriers beyond 0.2 and two of them (an estimate,
 //            by the share of time that a ZED-F9P was fixed in fields and forest). A fix is lost
 //            where fewer than five common satellites, or fewer than half of those that are used,
-//            have a carrier to go by (CarrierCount), and with corrections older than 30 s;
-//            everything with corrections older than the receiver's limit. What was fixed floats on
+//            have a usable carrier (CarrierCount), and with corrections older than 30 s; all is
+//            lost with corrections older than the receiver's limit. A lost fix continues as float
 //            from its place: its error grows from that of the fix to that of a float, over
-//            float_decay. Integers are remembered while four satellites or more, and half of those
-//            used, have carriers without a slip, whose place finds those of the others, and fix
-//            again a second after what was missing is there; after slips the receiver searches
-//            anew.
+//            float_decay. Integers are kept while four satellites or more, and half of those
+//            used, have carriers without a slip: their position yields the others' integers, and
+//            the fix returns a second after the missing condition holds again; after slips the
+//            receiver searches anew.
 //   assumed_rtk  the same without a base station, so not causal: corrections are assumed to arrive
-//            at an interval with a latency, from a base at a distance. No cable can be pulled but
-//            by the fault correction_outage. For receivers whose way to their corrections is not
-//            emulated.
+//            at an interval with a latency, from a base at a distance. Only the fault
+//            correction_outage interrupts them. For receivers whose link to their corrections is
+//            not emulated.
 //
 // Corrections of sbas, service and assumed_rtk arrive at an interval with a latency; without them
 // the state is kept to a largest age.

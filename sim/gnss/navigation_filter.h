@@ -1,5 +1,5 @@
 // The navigation engine of a receiver: a Kalman filter for position, velocity and clock over
-// pseudoranges and range rates, as receivers have it, and what it knows of its own errors.
+// pseudoranges and range rates, as in real receivers, with the covariance of its own errors.
 //
 // State: position (3), velocity (3), clock, clock rate, and the clocks of GLONASS, Galileo and
 // BeiDou beside that of GPS. Velocity is constant but for white acceleration (q = sigma_a^2 per
@@ -11,21 +11,21 @@
 //
 //   P+ = (P^-1 + sum h h^T / r)^-1,   K = P+ h / r
 //
-// The filter takes a pseudorange for code_sigma_m and a range rate for rate_sigma_mps, times how
-// much worse than one overhead it is. With the defaults it does what recordings of u-blox receivers
-// show: position without lag, velocity late by 0.23 s at 1 Hz, steps of the position correlated
-// over ten seconds at rest, and the variance of speed grows by 0.5 (m/s)^2 per second without
-// satellites, ten times as fast after 12 s (research of this project over recordings of NEO-7P,
-// NEO-M8P and u-blox 7; docs/devices/ublox-neo-7p.md).
+// The filter assumes a standard deviation of code_sigma_m for a pseudorange and of rate_sigma_mps
+// for a range rate, times the satellite's degradation relative to one overhead. With the defaults
+// it behaves as recordings of u-blox receivers show: position without lag, velocity late by 0.23 s
+// at 1 Hz, steps of the position correlated over ten seconds at rest, and the variance of speed
+// grows by 0.5 (m/s)^2 per second without satellites, ten times as fast after 12 s (research of
+// this project over recordings of NEO-7P, NEO-M8P and u-blox 7; docs/devices/ublox-neo-7p.md).
 //
-// Two covariances. P is the filter's own; it makes the gains and the accuracy of the speed. It
-// would be far too good for the position, since errors of satellites, air and reflections stay for
-// minutes and do not average out. So M, beside it, is what these gains make of errors that stay:
-// the "consider" covariance (S. F. Schmidt, "Applications of State-Space Methods to Navigation
-// Problems", 1966), with Gauss-Markov states for the ionosphere (zenith, two gradients), the
-// troposphere, and of each satellite its orbit and its multipath, and for the error of a position
-// by carriers. Accuracies of position and time come from M. So a receiver whose corrections end
-// goes on from the place and from the accuracy that it had by them.
+// There are two covariances. P is the filter's own; the gains and the accuracy of the speed come
+// from it. It would be far too small for the position, since errors of satellites, air and
+// reflections last for minutes and do not average out. Therefore M is computed as well, the
+// covariance of these gains with lasting errors: the "consider" covariance (S. F. Schmidt,
+// "Applications of State-Space Methods to Navigation Problems", 1966), with Gauss-Markov states for
+// the ionosphere (zenith, two gradients), the troposphere, each satellite's orbit and multipath,
+// and the error of a position by carriers. Accuracies of position and time come from M. A receiver
+// whose corrections end therefore continues from the place and the accuracy that it had with them.
 //
 // Integrity. A satellite whose innovation exceeds five of its standard deviations is left out of
 // the epoch if at least one more than the number of unknowns remain: with fewer, it is not possible

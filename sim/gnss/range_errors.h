@@ -25,8 +25,8 @@
 //   range rate        white 10 mm/s at 45 dBHz, and 20 mm/s that stay 2.5 s at rest, 1 s in motion
 //                     (u-blox receivers at rest show speeds of 14 to 24 mm/s)
 //   carrier           thermal noise of its loop, and 2 mm over sin E of multipath
+//   second signal     code and carrier have noise and multipath of their own, of the same size
 //   receiver          leaves the broadcast share of orbit, clock and ionosphere in its ranges: 1 on
-//                     a NEO-7P; the accuracies that newer ones report are too small for all of them
 //                     a NEO-7P; the accuracies that newer ones report are too small for all of them
 //   reflections       found by rays (multipath.h): a direct signal gains an error of that envelope
 //                     as multipath does; a signal that arrives only by reflection is long by its

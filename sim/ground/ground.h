@@ -153,8 +153,8 @@ class Ground {
   static constexpr std::size_t kMostLying = 64;
   [[nodiscard]] bool lay(std::size_t obstacle, const Eigen::Isometry3d& X_WO) const;
   [[nodiscard]] const ConvexShape& shape(std::size_t obstacle) const { return shapes_[obstacle]; }
-  /// Whether it rises above the point. False if its top straight below the point is lower: for a
-  /// ramp whose upper end is above a wheel on its lower end.
+  /// Whether it rises above the point: its highest point is above, and so is its top at the point's
+  /// x and y if it has one there. A ramp does not for a wheel on its lower end.
   [[nodiscard]] bool rises_above(std::size_t obstacle, const Eigen::Vector3d& p_W) const;
   /// Whether a wheel with its centre there cannot roll over it (wheel_contact()): it rises above
   /// the centre and is no ball.

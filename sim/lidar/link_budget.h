@@ -53,8 +53,8 @@ template <class Real>
 /// 0.45 s^2 / (s^2 + 0.09) / (1 - 0.5 s^2 / (s^2 + 0.33)), s = 30 degrees.
 inline constexpr double kGrazingShare = 0.4382;
 
-/// f(theta) of a rough surface, 1 at normal incidence, by the cosine of the incidence angle, 0 ..
-/// 1.
+/// f(theta) of a rough surface, by the cosine of the incidence angle, 0 .. 1; 1 at normal
+/// incidence.
 template <class Real>
 [[nodiscard]] constexpr Real incidence_share(Real cosine) {
   return cosine + static_cast<Real>(kGrazingShare) * (Real{1} - cosine * cosine);

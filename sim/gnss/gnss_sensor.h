@@ -25,10 +25,11 @@
 // counts satellites less one for each further system's clock. This receiver neither filters in time
 // nor rejects ranges that contradict the rest.
 //
-// Both: corrections (carrier_solution.h; those of a base station come with GnssCommand), faults
-// (gnss_fault.h), the receiver's clock (receiver_clock.h; position and velocity are of the instant
-// at which it measures), and raw measurements (observations.h), whose pseudoranges have the very
-// errors of the solution. The paper's model has no range errors, so raw ranges are exact in it.
+// All models have corrections (carrier_solution.h; those of a base station come with GnssCommand),
+// faults (gnss_fault.h), the receiver's clock (receiver_clock.h; position and velocity are of the
+// instant at which it measures), and raw measurements (observations.h), whose pseudoranges have the
+// same errors as the solution. The paper's model has no range errors, so raw ranges are exact in
+// it.
 //
 // All receivers with one seed share the errors of satellites and air, a function of satellite,
 // place and time (error_field.h); multipath and noise are each receiver's own.

@@ -77,7 +77,7 @@ class EndlessBytes final : public ByteLine {
   std::size_t at_ = 0;
 };
 
-/// The same numbers each time.
+/// Noise of a fixed generator: the same numbers each time.
 Octets noise(std::size_t size) {
   Octets bytes(size);
   std::uint32_t state = 1;
@@ -363,7 +363,7 @@ TEST(NmeaEndless, ListeningEndsWithTheBytesThatAreKept) {
 
 TEST(VelodyneEndless, ListeningEndsWithTheBytesThatAreKept) {
   const SharedClock clock = clock_at_zero();
-  /// As the camera's stream, but faster than any lidar sends.
+  /// A flood like the camera's stream, but faster than any lidar sends.
   class Flood final : public DatagramLine {
    public:
     explicit Flood(SharedClock at) : clock_(std::move(at)) {}

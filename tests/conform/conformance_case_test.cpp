@@ -118,7 +118,7 @@ TEST(Reports, ThePageLeadsToWhatFails) {
 TEST(Reports, ACaptureHasEveryByteThatWentOver) {
   namespace pcapng = protocols::pcapng;
   using Kind = Endpoint::Kind;
-  // Of TCP the handshake, too.
+  // A TCP connection has the three packets of its handshake, too.
   for (const auto& [kind, expected] : {std::pair{Kind::tcp, 3U + 2U}, std::pair{Kind::serial, 2U},
                                        std::pair{Kind::slcan, 2U}, std::pair{Kind::udp, 2U}}) {
     const auto file = capture_of(some_result().cases[0], {kind, "", 1502});

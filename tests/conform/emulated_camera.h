@@ -21,9 +21,9 @@ class EmulatedCamera final : public DatagramLine {
   /// Instead of a datagram: itself, another, several, or none.
   using Change = std::function<std::vector<Bytes>(const Bytes& datagram)>;
   struct Changes {
-    Change answering;  ///< Of its control port.
+    Change answering;  ///< Changes what its control port sends.
     Change streaming;
-    Change hearing;  ///< Of what it is sent.
+    Change hearing;  ///< Changes what is sent to it.
   };
 
   static constexpr std::uint16_t kStreamFrom = 45'000;

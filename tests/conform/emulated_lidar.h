@@ -25,7 +25,7 @@ struct LidarScene {
   emulators::VelodyneSettings settings;
   Duration span = std::chrono::seconds{4};
   PacketChange change;
-  std::uint16_t source_port = 0;  ///< Of data packets; 0: the model's.
+  std::uint16_t source_port = 0;  ///< Port that data packets come from; 0: the model's.
 };
 
 /// Two walls, one behind the other for every second degree, with a fix that the sensor hears of;

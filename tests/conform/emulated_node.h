@@ -49,7 +49,7 @@ class EmulatedNode : public CanLine, public emulators::FrameOutput {
     return Clock::time_point(now_.time_since_epoch());
   }
 
-  // Of the device.
+  // Takes a frame that the device sends.
   void send(SimTime due, const Frame& frame) override {
     for (const Frame& each : saying_ ? saying_(frame) : std::vector{frame}) {
       sent_.emplace_back(due, each);

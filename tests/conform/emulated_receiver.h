@@ -75,7 +75,7 @@ class EmulatedReceiver final : public ByteLine, public emulators::ByteOutput {
     return Clock::time_point(now_.time_since_epoch());
   }
 
-  // Of the receiver.
+  // Takes bytes that the receiver sends.
   void send(SimTime /*due*/, std::span<const std::uint8_t> bytes) override {
     said_.insert(said_.end(), bytes.begin(), bytes.end());
     while (!said_.empty()) {

@@ -107,20 +107,20 @@ std::function<bool(const Bytes&)> code(std::uint8_t low) {
   return
       [low](const Bytes& bytes) { return bytes.size() >= 8 && bytes[2] == 0 && bytes[3] == low; };
 }
-/// Of answers to a command that succeed.
+/// Changes the answers to a command that succeed.
 Changes answers(std::uint8_t low, const std::function<void(Bytes&)>& change) {
   return {.answering = changing(
               [low](const Bytes& bytes) { return code(low)(bytes) && bytes[0] == 0; }, change),
           .streaming = {},
           .hearing = {}};
 }
-/// Of refusals.
+/// Changes refusals.
 Changes refusals(const std::function<void(Bytes&)>& change) {
   return {.answering = changing([](const Bytes& bytes) { return bytes.at(0) != 0; }, change),
           .streaming = {},
           .hearing = {}};
 }
-/// Of packets of the stream of that format; 0: of all.
+/// Changes packets of the stream that have this format; 0: all.
 Changes packets(unsigned format, const std::function<void(Bytes&)>& change) {
   return {
       .answering = {},
@@ -391,7 +391,7 @@ INSTANTIATE_TEST_SUITE_P(
                          b[15] = b[19] = 1;
                        })},
         Mutant{"never_ends", "gige-vision/blocks/21",
-               // Of the acquisition's end a begin.
+               // Turns the stop of the acquisition into a start.
                hearing(access_of(0x82, 0xA108), [](Bytes& b) { b[11] = 0x04; })}),
     [](const auto& mutant) { return std::string(mutant.param.name); });
 

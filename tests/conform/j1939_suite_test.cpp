@@ -130,7 +130,7 @@ TEST(J1939Suite, OurImuTakesAnotherAddressAndIsContendedBack) {
   EXPECT_EQ(way_back(result), "by contending at the address that it had instead");
 }
 
-// As its open firmware does: it is silent where it has nothing to say.
+// Our IMU does as its open firmware: it is silent where it has nothing to say.
 TEST(J1939Suite, OurImuRefusesNothing) {
   EXPECT_THAT(wrong_ids(judge_imu({"j1939/5.4.4", "j1939/5.4.2", "j1939/5.2"})),
               testing::UnorderedElementsAre("j1939/5.4.4/1", "j1939/5.4.4/2"));

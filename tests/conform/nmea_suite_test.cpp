@@ -118,10 +118,10 @@ TEST(NmeaSuite, DilutionsOfOneDecimalAreRounded) {
 
 struct Mutant {
   const char* name;
-  const char* id;  ///< Of the case that has to find it.
+  const char* id;  ///< Identity of the case that has to find it.
   std::string from;
   std::string to;
-  bool in_text = false;  ///< Of the whole line with its check, else before that is made.
+  bool in_text = false;  ///< Changes the whole line with its check, else before that is made.
 };
 
 class NmeaMutant : public testing::TestWithParam<Mutant> {};

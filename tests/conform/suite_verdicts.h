@@ -28,7 +28,7 @@ inline std::vector<std::string> wrong_ids(const SuiteResult& result) {
   return wrong;
 }
 
-/// The same with what was expected and seen.
+/// Identity and title of the cases that do not pass, with what was expected and seen.
 inline std::vector<std::string> wrong_in(const SuiteResult& result) {
   std::vector<std::string> wrong;
   for (const CaseResult& each : result.cases) {

@@ -204,7 +204,7 @@ void PrintTo(const Defect& defect, std::ostream* out) {
 const auto kNameOfDefect = [](const auto& defect) { return std::string(defect.param.name); };
 const std::string kScripts = RIGWIRE_SOURCE_DIR "/tests/conformance/";
 
-// Of files and queues no server of others could be had: pymodbus answers with nothing.
+// No third-party server of files and queues was found: pymodbus answers with nothing.
 class ConformModbusFiles : public ConformModbus, public testing::WithParamInterface<Defect> {
  protected:
   Json judge(const std::string& defect, const std::string& wanted, int exit_code) {

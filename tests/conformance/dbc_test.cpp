@@ -54,7 +54,7 @@ class Dbc : public testing::Test {
     std::ofstream(dbc) << protocols::dbc::write({"can", 250'000, messages});
     return read_file(dbc.string(), frames);
   }
-  /// The same with somebody's own file.
+  /// What canmatrix makes of another DBC file and of the frames.
   std::vector<Json> read_file(const std::string& dbc, const std::vector<Frame>& frames) {
     const auto log = wires_.folder / "frames";
     std::ofstream lines(log);

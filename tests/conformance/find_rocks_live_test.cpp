@@ -45,14 +45,14 @@ constexpr std::size_t kPictures = 5;
 struct Place {
   const char* rig;
   std::vector<std::string> sets;     ///< Where its machine stands.
-  std::vector<std::string> options;  ///< Of find_rocks: how the camera stands.
+  std::vector<std::string> options;  ///< Options of find_rocks: how the camera stands.
   double farthest_m;
 };
 
 struct Score {
   int reports = 0;
   int right = 0;
-  int rocks = 0;  ///< That ought to be found.
+  int rocks = 0;  ///< Rocks that ought to be found.
   int found = 0;
 };
 

@@ -197,7 +197,7 @@ TEST(GigeCameraAravis, cameras_on_one_line_expose_together) {
   }
 }
 
-/// Of ComponentIDValue (SFNC).
+/// Values of ComponentIDValue (SFNC).
 constexpr guint kIntensity = 1;
 constexpr guint kRange = 4;
 constexpr guint kConfidence = 6;

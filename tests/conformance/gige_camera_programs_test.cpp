@@ -203,7 +203,7 @@ TEST_F(GigeCameraPrograms, client_that_is_killed_leaves_the_camera_to_the_next) 
   stream(address);
 }
 
-/// As an ordinary user, whose clients cannot open packet sockets.
+/// The command run by an ordinary user, whose clients cannot open packet sockets.
 std::vector<std::string> unprivileged(const std::vector<std::string>& command) {
   std::vector<std::string> all;
   if (::getuid() == 0) {

@@ -26,8 +26,8 @@ TEST(LidarNamespace, DriverThatFiltersOnTheSensorsAddressHearsIt) {
                         "    source_address: 192.168.1.201\n"
                         "    web: {address: 192.168.1.201, port: 80}\n"
                         "    mount: {link: body, position: [0 m, 0 m, 2 m]}\n";
-  // As a driver: bound to all addresses, drops what is not from the sensor; then sends the stream
-  // to itself alone.
+  // The client does as a driver: it is bound to all addresses and drops what is not from the
+  // sensor. It then sends the stream to itself alone.
   const auto client = wires.folder / "client.py";
   std::ofstream(client) << R"(
 import json, socket, subprocess, sys, time, urllib.request

@@ -54,7 +54,7 @@ TEST(LinuxCnc, ClosesTheSwingLoopOverModbus) {
   const auto told = nlohmann::json::parse(text_of(run / "run.json"));
   const auto address = told["replaced"]["devices.valves.address"].get<std::string>();
 
-  // As a user would: the example's files, with the address of this run.
+  // A user would do so: the example's files, with the address of this run.
   const fs::path folder = wires.folder / "linuxcnc";
   fs::create_directory(folder);
   fs::permissions(wires.folder, fs::perms::others_read | fs::perms::others_exec,

@@ -83,8 +83,8 @@ class LiveReceiver {
   void live(const emulators::UbloxSettings& settings, const Sky& sky) {
     boost::asio::io_context context;
     drivers::Pty pty(context, path_);
-    // As a real serial port is to its group: gpsd gives up root once it has opened its device, and
-    // could not open the next one.
+    // A real serial port is open to its group, too: gpsd gives up root once it has opened its
+    // device, and could not open the next one.
     using std::filesystem::perms;
     std::filesystem::permissions(
         pty.slave_name(),

@@ -260,7 +260,7 @@ class RtklibBaseline : public RtklibRun {
  protected:
   struct Outcome {
     std::size_t first = 0;  ///< Epoch of the first fix; 0: none.
-    double fixed = 0.0;     ///< Of the epochs after it.
+    double fixed = 0.0;     ///< Share of fixes among the epochs from the first fix on.
     double greatest_m = 0.0;
   };
   [[nodiscard]] Outcome run(const Case& of, const Case& base, const sim::GnssParameters& parameters,
@@ -299,8 +299,8 @@ class RtklibBaseline : public RtklibRun {
   }
 };
 
-// As delivered: GPS and GLONASS on one carrier. With GPS alone, six satellites above 15 degrees,
-// RTKLIB stayed float or fixed wrong.
+// The receivers are set as delivered: GPS and GLONASS on one carrier. With GPS alone, six
+// satellites above 15 degrees, RTKLIB stayed float or fixed wrong.
 TEST_F(RtklibBaseline, TwoReceiversOfOneCarrierFixWithinMinutes) {
   const Case m8t{"NEOM8T", &emulators::ublox_neo_m8t(), {"RXM-RAWX", "RXM-SFRBX"}};
   sim::GnssParameters parameters;

@@ -41,7 +41,7 @@ struct DecodedDifference {
   double elevation_deg = 0.0;
   double time_us = 0.0;
   double reflectivity = 0.0;
-  double place_m = 0.0;  ///< Of x, y, z from the beam at the range that was read.
+  double place_m = 0.0;  ///< Distance of x, y, z from the beam at the range that was read.
 };
 
 class VelodyneComparison {

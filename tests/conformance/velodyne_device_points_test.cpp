@@ -24,7 +24,7 @@ using velodyne::ReturnMode;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kHour_us = 3.6e9;
-constexpr double kStart_us = kHour_us - 20'000.0;  ///< Of the calendar: the hour ends in 20 ms.
+constexpr double kStart_us = kHour_us - 20'000.0;  ///< 20 ms before an hour of the calendar.
 constexpr double kStepPerFiring_deg = 0.2;         ///< Whole counts: the azimuth field is exact.
 constexpr std::int64_t kPacketsWithReturns = 40;
 

@@ -38,7 +38,7 @@ struct TrueReturn {
   protocols::velodyne::BlockEcho echo{};
   bool both = false;         ///< Last and strongest are one.
   double time_us = 0.0;      ///< Since the start of the stream.
-  double azimuth_deg = 0.0;  ///< Of the laser, at its own instant.
+  double azimuth_deg = 0.0;  ///< Azimuth of the laser, at its own instant.
   double range_m = 0.0;
   double reflectivity = 0.0;
 };

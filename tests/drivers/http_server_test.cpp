@@ -394,8 +394,8 @@ TEST_F(HttpServerTest, AClientThatGoesWhileItWaitsGivesItsPlaceBack) {
   std::filesystem::remove_all(folder);
 }
 
-/// Of a TCP connection that is closed the server learns that nothing more comes, as of one whose
-/// client still reads.
+/// When a TCP connection is closed, the server learns that nothing more comes, as from a client
+/// that still reads.
 TEST_F(HttpServerTest, AClientThatSendsNoMoreHasItsAnswerUnlessANewcomerNeedsThePlace) {
   HttpServerSettings settings;
   settings.port = 0;

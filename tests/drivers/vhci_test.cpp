@@ -17,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// As Linux 6.1 prints it, with one device attached.
+// Status as Linux 6.1 prints it, with one device attached.
 constexpr const char* kStatus =
     "hub port sta spd dev      sockfd local_busid\n"
     "hs  0000 006 002 00010001 000003 1-1\n"

@@ -16,7 +16,8 @@ const FaultPeriod kOneToThree{.at = 1s, .length = 2s};
 constexpr std::size_t kForceX = 0;
 constexpr std::size_t kRateZ = 5;
 
-/// Of a sample each 100 ms whose forward force is its time in seconds; the force that is seen.
+/// Forward forces that a client sees: samples come each 100 ms, and the force put in is their time
+/// in seconds.
 std::vector<double> seen(const Fault& fault) {
   FaultySamples<ImuSample> faults({fault}, 1);
   std::vector<double> forces;

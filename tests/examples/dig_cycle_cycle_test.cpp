@@ -150,7 +150,7 @@ TEST(DigCycleCycle, MachineThatDoesNotFollowIsAFaultWithNeutralValves) {
 TEST(DigCycleCycle, OpensTheBucketOverTheTruckOnly) {
   FakeMachine fake;
   Cycle cycle(fake.machine, {.cycles = 2});
-  constexpr double kSide_m = 4.05;  // Of the truck's near side, from the swing axis.
+  constexpr double kSide_m = 4.05;  // Distance of the truck's near side from the swing axis.
   while (!cycle.done() && !cycle.fault()) {
     fake.move(cycle.update(fake.belief, seen(0.0), kStep_s).openings);
     const PerJoint& angles = fake.belief.angles_rad;

@@ -13,9 +13,9 @@ namespace {
 using ::testing::HasSubstr;
 
 const std::string kRig = std::string(RIGWIRE_SOURCE_DIR) + "/configs/rigs/excavator_pit.yaml";
-constexpr double kKgPerM3 = 1700.0;  // Of the pit's gravel.
+constexpr double kKgPerM3 = 1700.0;  // Density of the pit's gravel.
 
-/// As a run that ends with a bucket emptied: what is on its way is in neither account.
+/// Ends the run with the bucket emptied: what is on its way is in neither account.
 void finish_cycle(PitRun& run) {
   while (run.cycle().phase() != Phase::approach && !run.over()) {
     run.tick();

@@ -27,7 +27,7 @@ struct Drive {
 struct Errors {
   double position_m = 0.0;  ///< Root mean square over the last two thirds.
   double heading_rad = 0.0;
-  double receiver_m = 0.0;  ///< Of the fixes themselves.
+  double receiver_m = 0.0;  ///< Error of the fixes themselves.
 };
 
 /// 120 s of bends at 2 m/s.

@@ -33,7 +33,7 @@ constexpr double kShareOfRectangle = 1.0 / 3.0;
 struct Score {
   int reports = 0;
   int right = 0;
-  int rocks = 0;  ///< That ought to be found.
+  int rocks = 0;  ///< Rocks that ought to be found.
   int found = 0;
 
   [[nodiscard]] double precision() const { return static_cast<double>(right) / reports; }

@@ -53,7 +53,7 @@ TEST(LanePlan, RefusesNonsenseByName) {
 
 struct Result {
   double worst_m = 0.0;            ///< True distance from the line, after a transition.
-  double worst_heading_rad = 0.0;  ///< Of the body against lane less crab, after a transition.
+  double worst_heading_rad = 0.0;  ///< Body against lane less crab, after a transition.
   bool done = false;
   std::optional<std::string> fault;
 };

@@ -15,7 +15,7 @@ namespace rigwire::find_rocks {
 struct Boulder {
   double x_m = 0.0;
   double y_m = 0.0;
-  double z_m = 0.0;  ///< Of its middle.
+  double z_m = 0.0;  ///< Height of its middle.
   double radius_m = 0.5;
 };
 struct Box {
@@ -97,7 +97,7 @@ inline double stage_depth(const Stage& stage, const double (&ray)[3]) {
   return nearest < 1e8 ? nearest : 0.0;
 }
 
-/// As a camera sends it: two bytes a pixel, the least significant first.
+/// Pixels as a camera sends them: two bytes each, the least significant first.
 inline std::vector<std::uint8_t> stage_pixels(const Stage& stage, int width = 640,
                                               int height = 480) {
   const StereoGeometry geometry = stage_geometry();

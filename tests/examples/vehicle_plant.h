@@ -13,7 +13,7 @@ namespace rigwire::field {
 
 struct VehiclePlant {
   double wheelbase_m = 3.85;
-  double reference_m = 0.0;  ///< Of the pose, ahead of the rear wheel.
+  double reference_m = 0.0;  ///< Place of the pose, ahead of the rear wheel.
   double steer_lag_s = 0.3;
   double steer_limit_rad = 0.55;
   double speed_lag_s = 0.6;

@@ -48,7 +48,7 @@ class VehicleRig : private emulators::FrameOutput {
   Mute mute;
   /// Whether the machine stands while its program is held up.
   void wait_for_client(bool on) { clock_.waits_for_client = on; }
-  bool differential = false;  ///< Of the receiver's positions.
+  bool differential = false;  ///< Whether the receiver's positions are differential.
   VehiclePlant plant;
 
   [[nodiscard]] const emulators::VehicleGateway& gateway() const { return *gateway_; }

@@ -12,7 +12,7 @@
 namespace rigwire::fields {
 namespace {
 
-/// As a file's text is read.
+/// The stored value of a text, read as a file's is.
 double stored(const NumberRule& rule, std::string_view text) {
   const auto quantity = split_quantity(text);
   EXPECT_TRUE(quantity) << text;

@@ -8,7 +8,7 @@
 
 namespace rigwire::fuzz {
 
-/// Of the chunks that end within the bytes, behind the signature's 8.
+/// Corrects the checksums of the chunks that end within the bytes, behind the signature's 8.
 inline void put_checksums_right(std::vector<std::uint8_t>& bytes) {
   constexpr std::size_t kSignature = 8;
   constexpr std::size_t kLength = 4;

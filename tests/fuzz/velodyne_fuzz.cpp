@@ -82,7 +82,7 @@ void status_channel(std::span<const std::uint8_t> bytes) {
   for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
     (void)reader.add({bytes[i], bytes[i + 1]});
   }
-  // The same laid over a channel in order, so that records do complete.
+  // The bytes are also laid over a channel in order, so that records do complete.
   velodyne::StatusRecord record;
   record.format = bytes.size() % 2 == 0 ? velodyne::StatusFormat::s2 : velodyne::StatusFormat::s3;
   record.calibration = velodyne::nominal_calibration(*velodyne::find_model("HDL-64E S2"));

@@ -45,7 +45,7 @@ class Xml {
     close();
     close();
   }
-  // As stiff as MuJoCo advises for the step, and nearly hard.
+  // Connects two bodies as stiffly as MuJoCo advises for the step, and nearly hard.
   void connect(const char* body1, const char* body2, double x, double step_s) {
     text_ << "<connect body1='" << body1 << "' body2='" << body2 << "' anchor='" << x
           << " 0 0' solref='" << 2.0 * step_s << " 1' solimp='0.99 0.999 0.001'/>";

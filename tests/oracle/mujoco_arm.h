@@ -1,5 +1,5 @@
-// The same arm in MuJoCo: as an open chain of four hinges, or as it is built, with tubes, rods,
-// idler and link as bodies of their own and their loops closed by `connect` constraints.
+// The excavator's arm in MuJoCo: as an open chain of four hinges, or as it is built, with tubes,
+// rods, idler and link as bodies of their own and their loops closed by `connect` constraints.
 //
 // The model's zero is the published pose: qpos counts from there. The looped arm has 12 degrees of
 // freedom and 12 rows of constraint; its drives are Eq. 5 on the rods' slides (and on the swing),
@@ -25,8 +25,8 @@ class MujocoArm {
   MujocoArm(const ExcavatorParameters& parameters, const DriveGains& gains, MujocoArmKind kind,
             double step_s, const std::string& integrator);
 
-  [[nodiscard]] JointMatrix mass_matrix();  ///< Of the open chain, at its present pose.
-  [[nodiscard]] JointVector bias();         ///< Likewise.
+  [[nodiscard]] JointMatrix mass_matrix();  ///< Mass matrix of the open chain, at its present pose.
+  [[nodiscard]] JointVector bias();         ///< Bias of the open chain, at its present pose.
   [[nodiscard]] JointVector joint_angles_rad() const;
 
   /// Eq. 5's targets for the next step.

@@ -70,7 +70,7 @@ State by_mujoco(const std::string& shape, const Vector& inertia, double slope_ra
   return state;
 }
 
-/// The same by our contact: the plane turned instead of gravity, everything told in its axes.
+/// State by our contact: the plane turned instead of gravity, everything told in its axes.
 State by_us(const ConvexShape& shape, const Vector& inertia, double slope_rad, double height_m,
             const Vector& v, double yaw_radps, double span_s) {
   const Eigen::Matrix3d R = Eigen::AngleAxisd(slope_rad, Vector::UnitY()).matrix();

@@ -1,5 +1,6 @@
-// The same arm in Simbody, written against its own interface: pin joints, mass properties, and the
-// drives as forces between stations on the bodies (boom, stick) or as a torque (swing, bucket).
+// The excavator's arm in Simbody, written against its own interface: pin joints, mass properties,
+// and the drives as forces between stations on the bodies (boom, stick) or as a torque (swing,
+// bucket).
 //
 // Independent: all dynamics and the geometry of the boom's and the stick's cylinder. Shared with
 // the code under test: the length and lever of the bucket's four-bar.

@@ -110,8 +110,8 @@ class PrivateWires {
   [[nodiscard]] std::string gnss() const { return (folder / "gnss").string(); }
   [[nodiscard]] std::string can() const { return (folder / "can").string(); }
 
-  /// Of a machine that drives: receiver, lidar and a bus; and what the rig of that name has
-  /// besides.
+  /// Settings of a machine that drives: receiver, lidar and a bus; and what the rig of that name
+  /// has besides.
   [[nodiscard]] std::vector<std::string> driving_sets(const std::string& rig = "") const {
     std::vector<std::string> sets{"devices.gnss.path=" + gnss(), "buses.can.path=" + can(),
                                   "buses.can.wire=slcan",
@@ -122,7 +122,7 @@ class PrivateWires {
     }
     return sets;
   }
-  /// Of the excavator: also the valve driver.
+  /// Settings of the excavator: also the valve driver.
   [[nodiscard]] std::vector<std::string> sets() const {
     std::vector<std::string> all = driving_sets();
     all.push_back("devices.valves.port=" + std::to_string(modbus_port));

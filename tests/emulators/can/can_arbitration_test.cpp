@@ -1,4 +1,4 @@
-// Who goes first: between nodes by the bits on the wire, within a node by its queue.
+// Order of sending: between nodes by the bits on the wire, within a node by its queue.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -245,7 +245,7 @@ TEST_F(CanFaults, OneOfANodeThatIsThereAlreadyIsRefusedInTheRunToo) {
   EXPECT_GE(bus_.counters(b_).sent, 90U);
 }
 
-/// Of a client of the control surface that adds one again and again.
+/// A client of the control surface adds an intruder again and again.
 TEST_F(CanFaults, AnIntrudersPlaceIsTakenByTheNext) {
   bus_.set_faults({}, intruders_);
   for (int i = 0; i < 200; ++i) {
@@ -350,7 +350,7 @@ TEST(CanStorm, CountersConserveAndNothingDependsOnTheSteps) {
   EXPECT_EQ(outcome, storm(true));
   EXPECT_EQ(outcome, storm(false));
   EXPECT_EQ(outcome, storm(true, Told::when_they_begin));
-  // Which bit a random disturbance takes depends on its end, which nobody knows beforehand.
+  // The bit that a random disturbance takes depends on its end, which is not known beforehand.
   constexpr int kDisturbed = 30;
   EXPECT_EQ(storm(true, Told::before_the_run, kDisturbed),
             storm(true, Told::when_they_begin_and_end, kDisturbed));

@@ -118,7 +118,7 @@ TEST(Inclinometer, FreeFallHoldsTheSlopesAndRaisesBothErrors) {
   EXPECT_EQ(rig.read(0x1003, 2), 0x5010U);
   EXPECT_EQ(rig.write(0x6012, 0, 0, 2), inclinometer_code(SdoAbort::not_in_this_state));
   EXPECT_EQ(rig.write(0x6122, 0, 0, 4), inclinometer_code(SdoAbort::not_in_this_state));
-  // As soon as there is a direction again; the length does not matter.
+  // The slopes follow as soon as there is a direction again; the length does not matter.
   rig.force = {0.0, 0.0, 1.01 * Inclinometer::kLeastForce_mps2};
   rig.measure();
   EXPECT_EQ(rig.slope16(0x6010), 0);

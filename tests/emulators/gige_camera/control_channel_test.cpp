@@ -1,4 +1,4 @@
-// Who may do what, for how long, and what is answered to what cannot be.
+// Rights of the clients, how long they hold them, and the answers to requests that are refused.
 #include "emulators/gige_camera/control_channel.h"
 
 #include <gmock/gmock.h>

@@ -46,7 +46,7 @@ struct RecordedStream final : StreamOutput {
   }
 
   std::vector<Sent> sent;  ///< Data unit by data unit.
-  std::size_t pieces = 0;  ///< As they were handed over.
+  std::size_t pieces = 0;  ///< Pieces in which the data units were handed over.
   std::vector<Closed> closed;
 };
 

@@ -22,7 +22,7 @@ class UbloxLiveSettings : public UbloxReceiverTest {
   }
 };
 
-/// The same bytes, but for the acknowledgement that nobody is sent.
+/// Both receivers send the same bytes, but for the acknowledgement, which a client alone receives.
 TEST_F(UbloxLiveSettings, TheRateIsThatOfCfgRate) {
   UbloxSettings settings = quiet();
   settings.ubx_messages = {"NAV-POSECEF"};

@@ -1,5 +1,4 @@
-// Which message exists on which model, and what it then says: what a client polls and what it
-// switches on.
+// Messages of each model and their content: what a client polls and what it switches on.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -388,7 +387,7 @@ TEST_F(UbloxModelsTest, CorrectionsThatComeInAreReported) {
     EXPECT_EQ(decoded<RxmRtcm>().front().flags, number == 1033 ? 0x04 : 0x02);
   }
 
-  // Of a broken frame its number is told, and that its checksum is wrong.
+  // RXM-RTCM has the number of a broken message, too, and that its checksum is wrong.
   Bytes broken = correction;
   broken.back() ^= 1;
   line_.clear();

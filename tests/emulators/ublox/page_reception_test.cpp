@@ -68,7 +68,7 @@ class PageReceptionTest : public ::testing::Test {
   std::shared_ptr<const GpsNavigation> now_;
   PageReception reception_;
   std::vector<ReceivedPage> pages_;
-  std::int64_t second_ = 115'500;  ///< Of the week: a full half minute of all systems is near.
+  std::int64_t second_ = 115'500;  ///< In the week: a full half minute of all systems is near.
 };
 
 TEST_F(PageReceptionTest, AMinuteBringsTheOrbitsOfAllSystemsOnBothCarriers) {

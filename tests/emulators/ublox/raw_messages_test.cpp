@@ -146,7 +146,7 @@ TEST_F(RawMessages, DeviationsAreRoundedUpToTheirSteps) {
   EXPECT_EQ(rawx_blocks()[1].carrier_sigma, 1);
 }
 
-// As a NEO-7P's recording shows: at a set of the clock the pseudorange jumps by 299 792 m, the
+// A NEO-7P's recording shows that at a set of the clock the pseudorange jumps by 299 792 m and the
 // carrier of RXM-RAW runs on; RXM-RAWX moves both.
 TEST_F(RawMessages, CarrierOfRawRunsOnOverAClockReset) {
   run(0, 10);

@@ -334,7 +334,7 @@ TEST(SpeedCommand, EngineRequestsDoNotOverrideItButLimitIt) {
   rig.ask(torque(1.0));
   EXPECT_NEAR(rig.command().travel_speed_mps.value(), 2.0, 1e-3);
   rig.run(20ms, rolling(1.0));
-  // Who has the engine is told.
+  // The torque mode of EEC1 says what controls the engine.
   EXPECT_EQ(rig.output.latest<vehicle::Eec1>().torque_mode, 2);
   vehicle::Tsc1 limit;
   limit.override_mode = static_cast<std::uint8_t>(vehicle::OverrideMode::limit);

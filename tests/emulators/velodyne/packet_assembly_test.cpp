@@ -1,4 +1,4 @@
-// Which echo lands in which block, read byte by byte, without the tables of the product.
+// The block of each echo, read byte by byte, without the tables of the product.
 #include "emulators/velodyne/packet_assembly.h"
 
 #include <gmock/gmock.h>

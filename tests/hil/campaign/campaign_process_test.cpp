@@ -134,7 +134,7 @@ TEST_F(CampaignProcess, what_was_killed_is_run_again_and_nothing_else) {
   ASSERT_EQ(rigwire(run("0")).code, 0);
   const auto before = fs::last_write_time(place(0) / "result.json");
   {
-    // As an engine's node that loses power: nothing is tidied up.
+    // The run is left as by an engine's node that loses power: nothing is tidied up.
     fs::create_directories(place(1));
     std::ofstream(place(1) / "result.json") << "{}";
     std::ofstream(place(1) / "truth.jsonl") << "half a li";

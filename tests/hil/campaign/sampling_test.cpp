@@ -1,4 +1,4 @@
-// Which values the runs of a campaign have: closed forms, and Sobol's sequence against SciPy's.
+// Values of a campaign's runs: closed forms, and Sobol's sequence against SciPy's.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -290,7 +290,8 @@ TEST(CommandLine, the_pages_table_of_faults_is_the_programs) {
   }
 }
 
-/// Likewise what devices can be told while they run: key, type of device, and how.
+/// The page's table of what can be set while a device runs is the program's: key, type of device,
+/// and how.
 TEST(CommandLine, the_pages_table_of_settings_is_the_programs) {
   std::ifstream page(RIGWIRE_SOURCE_DIR "/docs/control.md");
   std::set<std::vector<std::string>> rows;  // key, pattern, by

@@ -159,7 +159,7 @@ TEST_F(ConditionalKeys, are_in_the_schema_under_their_choice) {
   EXPECT_THAT(refused_with("heated", true), testing::IsEmpty());
 }
 
-/// Of a rig with that text, by the reader.
+/// The reader's complaints about a rig with that text.
 std::string complaints(const std::string& text) {
   Problems problems;
   Origins origins;

@@ -42,7 +42,7 @@ Subject subject(std::vector<std::string_view> skipped = {}) {
 
 /// What a form needs beside it to be sound.
 struct Companion {
-  std::string_view label;  ///< Of a key that the form has; `*` stands for anything.
+  std::string_view label;  ///< Label of a key that the form has; `*` stands for anything.
   std::string_view path;   ///< What is then written.
   std::string_view value;
 };
@@ -56,7 +56,7 @@ struct JointRefusal {
 
 /// A form that no other members make sound.
 struct Meaningless {
-  std::string_view label;  ///< Of its keys; `*` stands for anything.
+  std::string_view label;  ///< Label of its keys; `*` stands for anything.
   std::string_view why;
 };
 
@@ -77,8 +77,8 @@ bool matches(std::string_view pattern, std::string_view text) {
 }
 
 struct Finding {
-  std::vector<Problem> problems;  ///< Of reading.
-  std::string refusal;            ///< Of the check of what was read.
+  std::vector<Problem> problems;  ///< Problems of reading.
+  std::string refusal;            ///< Refusal by the check of what was read.
 };
 
 class EveryKey {
@@ -571,9 +571,9 @@ TEST(EveryKeyEnds, of_rigs_are_where_describe_says) {
   EXPECT_GT(keys.run(), 10u);
 }
 
-/// Of keys that all have two ends. Masses, forces, stiffnesses and what is made of them may be as
-/// large as one likes: models scale with them, and what does not go with the other members (a step
-/// too long, a load too great, a stroke too short) the structure's own check refuses.
+/// Units of keys that all have two ends. Masses, forces, stiffnesses and what is made of them may
+/// be of any size: models scale with them, and the structure's own check refuses what does not go
+/// with the other members (a step too long, a load too great, a stroke too short).
 constexpr std::array<std::string_view, 6> kBoundedUnits{"m", "mm", "cm", "km", "deg", "%"};
 
 /// Every length and angle has two ends: there is a largest scene, and a largest machine.

@@ -33,11 +33,11 @@ struct Attempt {
 
 struct RangedKey {
   std::string label;  ///< Its path, with the names of the types that were chosen on the way.
-  std::string path;   ///< As a document has it.
+  std::string path;   ///< Its path as a document has it.
   std::string range;
-  std::string unit;                     ///< Of a bare number.
+  std::string unit;                     ///< Unit of a bare number.
   std::vector<std::string> components;  ///< What a list of numbers holds; empty for one number.
-  std::vector<Attempt> attempts;        ///< Of each component.
+  std::vector<Attempt> attempts;        ///< Tried on each component.
 
   /// Two keys of one identity have one rule.
   [[nodiscard]] std::string identity() const { return label + ": " + range + " " + unit; }
@@ -50,7 +50,7 @@ struct Fork {
   std::size_t chosen;
 };
 
-/// Which form, by the fork's label.
+/// Number of the chosen form, by the fork's label.
 using Forms = std::map<std::string, std::size_t>;
 
 /// An open end is refused and a value just inside allowed; nothing is tried where there is no end.
@@ -82,7 +82,7 @@ inline std::vector<Attempt> attempts_of(const fields::NumberRule& rule) {
   return attempts;
 }
 
-/// Of whole numbers; `step` is the least that a file can tell apart.
+/// Attempts at whole numbers; `step` is the least that a file can tell apart.
 template <class Step>
 std::vector<Attempt> attempts_of(std::int64_t lower, std::int64_t upper, std::string_view unit,
                                  Step step) {

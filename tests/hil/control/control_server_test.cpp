@@ -107,7 +107,7 @@ class ControlServerTest : public testing::Test {
               truth_.state_quantities(),
               [] { return RigStatus(); },
               faults_}};
-  // As in a run, the server is on another thread than the desk.
+  // The server is on another thread than the desk, as in a run.
   asio::io_context server_io_;
   std::optional<ControlServer> server_;
   std::optional<BackgroundThread> thread_;
@@ -329,7 +329,7 @@ TEST_F(ControlServerTest, RequestsOfOneConnectionAreAnsweredInTheirOrder) {
   });
 }
 
-/// Who has a token need not be allowed to read this user's files.
+/// A client that has a token need not be allowed to read this user's files.
 TEST_F(ControlServerTest, ARequestIncludesNoFile) {
   served([&] {
     for (const std::string body :

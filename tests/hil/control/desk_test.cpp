@@ -66,7 +66,7 @@ class DeskTest : public testing::Test {
     return answers_[number] ? answers_[number]->json : kNone;
   }
 
-  RigFaults faults_;  ///< Of nothing.
+  RigFaults faults_;  ///< Nothing here can have faults.
   boost::asio::io_context io_;
   Clockwork truth_;
   Executive executive_{io_, truth_};

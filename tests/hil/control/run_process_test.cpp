@@ -93,7 +93,7 @@ struct Pipe {
     reader.emplace(ends[0]);
     writer.emplace(ends[1]);
   }
-  /// As far as its reader lets it.
+  /// Fills the pipe until it takes no more.
   void fill() const {
     ::fcntl(writer->get(), F_SETFL, O_NONBLOCK);
     const std::array<char, 4096> junk{};
@@ -282,7 +282,7 @@ std::size_t count_of(const std::vector<std::string>& lines, const std::string& t
                     [&](const std::string& line) { return line.find(text) != std::string::npos; }));
 }
 
-/// Of the first line that has them; 0 without any.
+/// Seconds in the first line that has them; 0 without any.
 double seconds_shown(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) {
     if (line.starts_with("t = ")) {

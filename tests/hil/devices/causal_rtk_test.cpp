@@ -323,8 +323,8 @@ TEST_F(CausalRtk, MovingBaseGivesHeading) {
   EXPECT_LT(std::sqrt(squares_deg2 / static_cast<double>(headings)), 1.5);
 }
 
-/// The same observations as another station's older software has them: 1001 to 1004, 1009 to 1012,
-/// or MSM5. Other messages stay what they are.
+/// The observations as another station's older software has them: 1001 to 1004, 1009 to 1012, or
+/// MSM5. Other messages stay what they are.
 Bytes as_older(const rtcm3::FrameView& frame, bool multiple, bool second_band, bool extended) {
   auto message = *rtcm3::decode_message(frame.payload);
   auto* const signals = std::get_if<rtcm3::MultipleSignals>(&message);

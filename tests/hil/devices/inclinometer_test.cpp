@@ -48,7 +48,7 @@ class InclinometerRig : public testing::Test {
       return error.what();
     }
   }
-  /// Of one inclinometer with these keys.
+  /// Complaints about one inclinometer with these keys.
   std::string complaints_of(const std::string& keys) const {
     return complaints("  boom: {type: cia410-inclinometer, mount: {link: body}, " + keys + "}\n");
   }

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-/// Of this process.
+/// Threads of this process that run with SCHED_IDLE.
 std::set<pid_t> threads_of_idle_priority() {
   std::set<pid_t> all;
   for (const auto& entry : fs::directory_iterator("/proc/self/task")) {

@@ -54,7 +54,8 @@ class GpsAlignments : public testing::Test {
     settings.file = (folder_ / name).string();
     return settings;
   }
-  /// Of position packets, each as late as told, with stamps of the recorder's clock.
+  /// A recording of three position packets, each late by another time, with stamps of the
+  /// recorder's clock.
   ReplaySourceSettings lidar(const std::string& name, std::int64_t recorder_ahead_ns,
                              std::int64_t first_utc_ns, const std::string& time) const {
     pcapng::Bytes bytes;

@@ -54,7 +54,7 @@ class HeightMapFile : public testing::Test {
     }
     return values;
   }
-  /// The same in the order of a height field, from the south-west.
+  /// Expects the ramp in the order of a height field, from the south-west.
   static void expect_ramp(const sim::HeightField& field) {
     ASSERT_EQ(field.columns, kColumns);
     ASSERT_EQ(field.rows, kRows);

@@ -36,7 +36,7 @@ constexpr std::string_view kFile = "FILE";
 
 struct NamedKey {
   std::string key;
-  std::string line;  ///< Of a rig, with FILE for the file.
+  std::string line;  ///< Line of a rig, with FILE for the file.
   FileLimit limit;
 };
 

@@ -61,7 +61,7 @@ class OutputFile : public testing::Test {
   fs::path folder_;
 };
 
-/// As a disk that is full for as long as it lives: no file grows.
+/// A disk that is full for as long as the object lives: no file grows.
 class FullDisk {
  public:
   FullDisk() {

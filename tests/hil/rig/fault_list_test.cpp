@@ -133,7 +133,7 @@ TEST_F(FaultList, AQuantityThatTheMachineDoesNotHaveIsToldBeforeTheRun) {
 struct Contradiction {
   const char* name;
   const char* keys;
-  const char* key;   ///< That is told.
+  const char* key;   ///< Key that the message names.
   const char* said;  ///< Some of what is said.
 };
 void PrintTo(const Contradiction& one, std::ostream* out) {

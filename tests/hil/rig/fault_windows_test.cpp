@@ -1,4 +1,4 @@
-// Which faults of a rig act when, whatever they are faults of.
+// Periods of all faults of a rig, whatever they act on.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

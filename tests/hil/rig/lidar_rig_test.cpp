@@ -97,7 +97,7 @@ class HeaderListener {
   HeaderListener(const HeaderListener&) = delete;
   HeaderListener& operator=(const HeaderListener&) = delete;
 
-  /// Of a datagram that is there.
+  /// Origin of a datagram that is there.
   [[nodiscard]] Origin next() const {
     std::array<char, 2048> bytes{};
     alignas(cmsghdr) std::array<char, 64> control{};

@@ -114,7 +114,7 @@ class ReplayedMotion : public testing::Test {
                 });
     return all;
   }
-  /// Of the links' accelerations in both runs, at all instants that both have.
+  /// Differences between the link's accelerations in both runs, at all instants that both have.
   [[nodiscard]] Spread accelerations(const std::string& a, const std::string& b,
                                      const std::string& link) const {
     Spread spread;
@@ -133,7 +133,7 @@ class ReplayedMotion : public testing::Test {
     }
     return spread;
   }
-  /// Of the places of a link.
+  /// Differences between the places of a link in both runs.
   [[nodiscard]] Spread places(const std::string& a, const std::string& b, std::size_t link) const {
     Spread spread;
     const auto first = messages(a, TruthTrack::transforms);
@@ -155,7 +155,7 @@ class ReplayedMotion : public testing::Test {
     std::size_t points = 0;
     std::size_t apart = 0;  ///< A beam that one of them missed, or by more than 0.1 m.
   };
-  /// Of the lidar's distances, beam by beam.
+  /// Differences between the lidar's distances in both runs, beam by beam.
   [[nodiscard]] Ranges ranges(const std::string& a, const std::string& b) const {
     Ranges result;
     const auto first = packets(a, "lidar");
@@ -349,7 +349,8 @@ TEST_F(ReplayedMotion, ARecordedLidarStandsBesideAnEmulatedReceiver) {
   mixed.devices.emplace("lidar", of_file.configuration.devices.at("lidar"));
   record("b", mixed, kLength);
   EXPECT_EQ(bytes_of("a/wires/gnss.bytes"), bytes_of("b/wires/gnss.bytes"));
-  // Of both ports in their order; what was due at the very end may still be on its way.
+  // Packets of both ports are compared in their order; what was due at the very end may still be on
+  // its way.
   const auto recorded = packets("a", "lidar");
   const auto played = packets("b", "lidar");
   ASSERT_GT(played.size(), 2000U);

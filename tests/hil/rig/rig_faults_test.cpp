@@ -382,7 +382,8 @@ TEST_P(MatrixOf, EachKindShowsAndTheDeviceRecovers) {
       EXPECT_NEAR(sent(with, device), frames, std::max(2.0, 0.1 * frames))
           << device << " has not recovered";
     }
-    // Who has lost its address to a lower NAME says the same from another one, and stays there.
+    // A node that has lost its address to a lower NAME says the same from another one, and stays
+    // there.
     if (keys["type"] != "masquerade") {
       test::expect_alike(compared(healthy, theirs), usual);
     }

@@ -260,7 +260,7 @@ TEST_F(RigSettingsOf, GroupsAreWrittenAsInAFileOrWithDots) {
   EXPECT_EQ(dotted.streams, grouped.streams);
 }
 
-/// As it does not hear its client then.
+/// A device without supply does not hear its client, either.
 TEST_F(RigSettingsOf, ADeviceWithoutSupplyTakesNothing) {
   const Ran off = with(load(""),
                        {{FaultAddCommand{"imu", "{type: off, for: 1 s}"}, 1s},

@@ -42,7 +42,7 @@ std::string complaint(const std::string& rig, const std::vector<std::string>& se
   }
 }
 
-/// Of the engine, second by second.
+/// Speeds of the engine, second by second.
 std::vector<double> speeds_radps(const RigConfiguration& configuration, int seconds) {
   SimulatedWorld world = make_world(configuration);
   auto& port = dynamic_cast<sim::PowerUnitDefectPort&>(*world.machine().power_unit_port());

@@ -24,8 +24,8 @@ class WireClients final : public EventSource {
   using Bytes = std::vector<std::uint8_t>;
   struct Unit {
     SimTime at{};
-    Bytes bytes;                  ///< Of a serial line, a datagram, a connection.
-    protocols::can::Frame frame;  ///< Of a bus.
+    Bytes bytes;                  ///< Bytes of a serial line, a datagram, a connection.
+    protocols::can::Frame frame;  ///< Frame of a bus.
   };
 
   // Before the run, for each wire in order of time.
@@ -108,7 +108,7 @@ class WireClients final : public EventSource {
     SimTime at{};
     std::string wire;
     WirePiece piece;
-    Bytes bytes;  ///< Of the piece, where it has any.
+    Bytes bytes;  ///< Bytes of the piece, where it has any.
   };
 
   std::vector<Step> steps_;

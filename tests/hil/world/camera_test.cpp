@@ -33,7 +33,7 @@ struct Studio {
   int entered = 0;    ///< How often it was called.
   Duration delay{0};  ///< In wall time, per picture.
   std::vector<sim::CameraShot> shots;
-  std::vector<double> depths_m;  ///< Of the ground below (0, 0).
+  std::vector<double> depths_m;  ///< Depths of the ground below (0, 0).
   std::vector<double> cubes_m;   ///< Height of what stands at (5, 0), middle of the exposure.
 
   void let_in(bool in) {
@@ -478,7 +478,7 @@ TEST_F(WorldCameraTest, automatic_exposure_acts_with_its_lag_however_slow_the_wo
   }
   ASSERT_GE(chosen[0].size(), 18U);
   EXPECT_EQ(chosen[0], chosen[1]);
-  // The same loop without workers: what was measured acts two pictures later.
+  // A loop without workers chooses alike: what was measured acts two pictures later.
   sim::AutoExposure loop(automatic, {1ms, 0.0});
   for (std::size_t i = 0; i < chosen[0].size(); ++i) {
     const Duration exposure = loop.next().exposure;

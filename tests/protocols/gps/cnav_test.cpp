@@ -109,7 +109,8 @@ TEST_F(Cnav, EveryMessageHasItsHeadAndItsChecksum) {
       EXPECT_EQ(read.whole(1, 8), 0x8BU);
       EXPECT_EQ(read.whole(9, 14), 7U);
       EXPECT_EQ(read.whole(15, 20), type);
-      // Of the message after it; the last one of a week tells of the next week's start.
+      // The count of time is that of the message after it; in the last message of a week it is the
+      // next week's start.
       EXPECT_EQ(read.whole(21, 37), second == 604'788U ? 0U : second / 6U + 2U);
       EXPECT_EQ(read.whole(38, 38), 0U);
       EXPECT_EQ(read.whole(277, 300), remainder_of(read)) << int{type};

@@ -54,7 +54,7 @@ TEST(SocketcandCommands, EightDigitsAreAnIdentifierOf29Bits) {
   EXPECT_TRUE(parse_command("< send 00000123 0 >").frame.extended);
   EXPECT_FALSE(parse_command("< send 123 0 >").frame.extended);
   EXPECT_FALSE(parse_command("< send 7FF 0 >").frame.extended);
-  // As python-can 4.1 writes 0CF00400, which has no other meaning.
+  // python-can 4.1 writes 0CF00400 like this, and it has no other meaning.
   EXPECT_EQ(parse_command("< send CF00400 0 >").frame, (Frame{0x0CF00400, true, false, 0, {}}));
   EXPECT_EQ(parse_command("< send 40000123 2 0 0 >").frame, (Frame{0x123, true, true, 2, {}}));
 }

@@ -54,7 +54,7 @@ struct Spread {
   double deviation_m = 0.0;
   double valid = 0.0;
 };
-/// Of the differences between ranges and the truth, over some frames.
+/// Spread of the differences between ranges and the truth, over some frames.
 Spread spread_of(CameraSensor& camera, const Scene& scene, CameraShot shot, double step_m) {
   double sum = 0.0;
   double squares = 0.0;

@@ -81,7 +81,7 @@ float fading(float cell_m, float footprint_m) {
   return std::clamp(cell_m / footprint_m * (1.0F / 1.5F) - 0.5F, 0.0F, 1.0F);
 }
 
-/// Of the cell at a place, in cells from the first node.
+/// Label of the cell at a place, in cells from the first node.
 std::size_t label_at(const std::vector<std::uint8_t>& cells, float x, float y) {
   const int column = std::clamp(static_cast<int>(x), 0, kNodes - 2);
   const int row = std::clamp(static_cast<int>(y), 0, kNodes - 2);

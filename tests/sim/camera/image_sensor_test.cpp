@@ -161,7 +161,7 @@ TEST(ImageSensor, FixedPatternHasItsSpread) {
     }
     const auto count = static_cast<double>(sum.size());
     mean /= count;
-    // Of the mean, less what is left of shot and read noise.
+    // Variance that the mean over the frames keeps of shot and read noise.
     const double gain = flat.sensor.numbers_per_electron(0.0, 12);
     const double left = (gain * mean + gain * gain * 25.0 + 1.0 / 12.0) / kFrames;
     return std::sqrt(squares / count - mean * mean - left);

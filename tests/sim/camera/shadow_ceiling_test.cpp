@@ -148,7 +148,8 @@ TEST(ShadowCeiling, MostOfWhatIsLitIsHeldForLitWithTheSunHigh) {
   EXPECT_LT(low.certain, low.lit);
 }
 
-/// As `camera_.render` with every shadow ray cast: beside a second terrain nothing is certain.
+/// `camera_.render` gives the same picture with every shadow ray cast: beside a second terrain
+/// nothing is certain.
 TEST(ShadowCeiling, PicturesAreTheSameWithEveryRayCast) {
   Site site(true);
   Site with_all(true);

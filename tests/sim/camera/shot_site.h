@@ -12,7 +12,7 @@
 
 namespace rigwire::sim::camera_test {
 
-/// Of the whole picture, in the slice from 0 to 100 ms, in the middle of the day.
+/// Shot of the whole picture, in the slice from 0 to 100 ms, in the middle of the day.
 inline CameraShot shot_for(int width, int height, const Eigen::Isometry3d& X_WS,
                            const Daylight& light) {
   CameraShot shot;

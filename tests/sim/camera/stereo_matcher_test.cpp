@@ -212,7 +212,7 @@ std::vector<float> plain_census(const StereoPair& pair, const StereoMatchingPara
       int best = -1;
       for (int d = D - 1; d >= 0; --d) {
         const int x = r + d + p.least_disparity;
-        // Of equal ones the right most.
+        // Among equal ones the right most wins.
         if (x < W &&
             (best < 0 || sums[at(x, y, d)] < sums[at(r + best + p.least_disparity, y, best)])) {
           best = d;

@@ -37,9 +37,9 @@ struct Known {
   const char* name;
   ConvexShape a;
   ConvexShape b;
-  Eigen::Quaterniond turn;  ///< Of a in b's frame.
+  Eigen::Quaterniond turn;  ///< Turn of a in b's frame.
   Vector normal;            ///< From b to a.
-  Vector place_at_touch;    ///< Of a in b's frame.
+  Vector place_at_touch;    ///< Place of a in b's frame.
 };
 
 Eigen::Quaterniond about(const Vector& axis, double degrees) {

@@ -295,7 +295,7 @@ TEST(ContactSet, ATreeThatGaveWayFallsAwayFromThePushAndLiesOnTheGround) {
   EXPECT_LT(down_s, 2.4);
 }
 
-// Who came later drove through what was seen lying there.
+// Vehicles that came later drove through what was seen lying there.
 TEST(ContactSet, ATrunkThatLiesIsFeltByWhoComesLater) {
   Obstacle trunk = trunk_at(5.0, 0.0, 0.25, 3.0);
   trunk.strength_nm = 21e3;
@@ -378,7 +378,7 @@ TEST(ContactSet, WhatBeginsInsideCanGoOutAndNotFartherIn) {
     if (push < 0.0) {
       EXPECT_NEAR(crate.X_WB.translation().x(), 0.9, 1e-3);
     } else {
-      // As free as in the open: F t^2 / (2 m).
+      // It moves as freely as in the open: F t^2 / (2 m).
       EXPECT_NEAR(crate.X_WB.translation().x(), 0.9 + 0.5 * push / 500.0, 0.05);
     }
   }

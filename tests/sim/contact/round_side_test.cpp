@@ -84,7 +84,7 @@ TEST(RoundSide, OverAnEdgeTheNormalIsTheCirclesOwn) {
   const Ground ground = profile([](double x) { return x > 0.05 ? -0.5 : 0.0; });
   const Eigen::Vector2d edge(0.0, 0.0);
   for (double beyond_m = 0.02; beyond_m < 0.5; beyond_m += 0.013) {
-    // As far from the edge that 5 mm of it are inside.
+    // Distance from the edge at which 5 mm of it are inside.
     const double apart_m = kRadius_m - 5e-3;
     const Eigen::Vector2d axle(beyond_m, std::sqrt(apart_m * apart_m - beyond_m * beyond_m));
     const std::vector<SidePlace> found = places(ground, drum_at({axle.x(), 0.3, axle.y()}));

@@ -11,8 +11,8 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-// Of 170 kg, laid into the curled bucket: lifted by 1.5 m and swung it stays in it, and the arm
-// feels what it weighs.
+// A rock of 170 kg is laid into the curled bucket. Lifted by 1.5 m and swung it stays in it, and
+// the arm feels what it weighs.
 TEST(LooseRockInABucket, IsLiftedAndSwungAndItsWeightFelt) {
   ExcavatorParameters parameters = ready_to_dig();
   parameters.initial.boom_rad = 0.35;

@@ -18,7 +18,7 @@ namespace {
 using Vector = Eigen::Vector3d;
 
 struct Swing {
-  double fastest_before_mps = 0.0;  ///< Of the tip, until it first touched.
+  double fastest_before_mps = 0.0;  ///< Speed of the tip, until it first touched.
   double fastest_mps = 0.0;
   double highest_m = -1e300;
   double gain_j = 0.0;  ///< The most that contacts ever gave back beyond what they had stored.

@@ -141,7 +141,8 @@ TEST(OwnContact, AnArmThatDoesNotTouchMovesAsWithoutIt) {
   EXPECT_EQ(run(true), run(false));
 }
 
-// Of a plane figure: what the machine's pins, and not its boxes, say where its links are.
+// A plane figure has its points where the machine's pins, and not its boxes, say that its links
+// are.
 using Point = Eigen::Vector2d;
 using Outline = std::vector<Point>;
 

@@ -24,7 +24,8 @@ struct Running {
     return least;
   }
 
-  /// The same with all that the pump controller lets the valves have.
+  /// The valves take all that the pump controller lets them have; returns the least speed on the
+  /// way.
   double take_all(double power_unit_seconds, double pressure_pa) {
     double least = unit.speed_radps();
     for (int i = 0; i < static_cast<int>(std::lround(power_unit_seconds / kStep_s)); ++i) {
@@ -138,7 +139,7 @@ TEST(PowerUnit, TorqueLimitHolds) {
   Running running;
   running.unit.command({.time = {}, .speed_radps = {}, .torque_limit_share = 0.3});
   EXPECT_GT(running.take_all(3.0, 28e6), rpm(1800));
-  // Of what the cylinders make: friction counts.
+  // The limit holds for the torque of the cylinders: friction counts.
   const EngineData data = running.unit.engine_data();
   const EngineSample engine = running.unit.sample().engine;
   EXPECT_LE(engine.torque_nm + engine.friction_nm, 0.3 * data.reference_torque_nm + 0.1);

@@ -50,7 +50,7 @@ GpsTime at(std::int32_t week, double seconds) {
   return {week + static_cast<std::int32_t>(weeks), ns - weeks * kWeek_ns};
 }
 
-/// The same orbit by rotation matrices and bisection instead of closed products and Newton.
+/// Position on the orbit by rotation matrices and bisection instead of closed products and Newton.
 Eigen::Vector3d position_by_rotations(const GpsEphemeris& e, double since_toe_s) {
   const double a = std::pow(e.sqrt_semi_major_axis, 2.0);
   const double mean =

@@ -83,7 +83,7 @@ TEST(ErrorField, ItDecorrelatesWithDistanceAsSatellitesAndAirDo) {
     const double whole_m = 0.05 * std::sqrt(2.0 * (1.0 - std::exp(-km / 500.0)));
     EXPECT_LT(troposphere_m, 1.2 * whole_m) << km;
     EXPECT_GT(troposphere_m, 0.2 * whole_m) << km;
-    // The same satellite from there: its direction turns by d / 20 000 km.
+    // From there the satellite's direction is turned by d / 20 000 km.
     const Vector3d turned = (kUp_E + Vector3d(0.0, 0.0, km / 20'000.0)).normalized();
     const double orbit_m =
         0.8 * std::sqrt(expected([&](const ErrorField& f) {
@@ -109,7 +109,7 @@ TEST(ErrorField, WithoutTimeOrLengthItIsStillANumber) {
   EXPECT_TRUE(std::isfinite(field.ionosphere(1e6, 0.0, 0.0, kPlace_E_m, kUp_E)));
 }
 
-// The same sky above both: their errors are alike but for noise and reflections.
+// Both receivers have the same sky: their errors are alike but for noise and reflections.
 TEST(ErrorField, TwoReceiversOfARigHaveTheErrorsOfTheirSatellitesInCommon) {
   GnssParameters parameters;
   parameters.raw_measurements = true;

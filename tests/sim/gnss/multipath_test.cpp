@@ -32,7 +32,7 @@ TEST(ReflectionSearch, ExtraPathIsThatOfTheMirrorImage) {
       EXPECT_NEAR(
           *extra_m,
           2.0 * 12.0 * std::cos(elevation_deg * kDegree) * std::cos(from_west_deg * kDegree), 1e-6);
-      // As the antenna moves towards the wall the path follows without a new search.
+      // The path follows the antenna towards the wall without a new search.
       const Eigen::Vector3d nearer = kAntenna + Eigen::Vector3d(2.0, 0.0, 0.0);
       EXPECT_NEAR(*search.extra_path_m(0, nearer, s) / *extra_m, 10.0 / 12.0, 1e-9);
     }

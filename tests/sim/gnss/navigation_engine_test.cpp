@@ -49,7 +49,7 @@ Eigen::VectorXd power_spectrum(const std::vector<double>& series) {
   return power;
 }
 
-/// Of its logarithm over that of the frequency, least squares, at 1 Hz.
+/// Slope of the power's logarithm over that of the frequency, by least squares; sampled at 1 Hz.
 double slope(const Eigen::VectorXd& power, double from_hz, double to_hz) {
   std::vector<Vector2d> points;
   for (Eigen::Index k = 1; k < power.size(); ++k) {

@@ -83,7 +83,7 @@ TEST(NominalSlotsTest, EverySatelliteStatesItsOrbitInItsOwnFigures) {
         &GpsEphemeris::mean_motion_difference, &GpsEphemeris::sqrt_semi_major_axis}) {
     EXPECT_EQ(distinct(member), 24U);
   }
-  // Of few steps of the message: two may meet.
+  // These two span few steps of the message, so that two satellites may have the same value.
   EXPECT_GE(distinct(&GpsEphemeris::inclination_sine_rad), 20U);
   EXPECT_GE(distinct(&GpsEphemeris::inclination_cosine_rad), 20U);
   for (int prn = 1; prn <= 24; ++prn) {

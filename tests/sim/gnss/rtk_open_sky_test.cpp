@@ -50,7 +50,7 @@ GnssParameters rtk_parameters() {
   return parameters;
 }
 
-/// Which messages of observations a base sends beside its place.
+/// Messages of observations that a base sends beside its place.
 struct MessageSet {
   const char* name;
   std::vector<GnssSystem> systems;
@@ -79,7 +79,7 @@ class RtkDay {
     sensor.command(command());
     return sensor;
   }
-  /// As a ZED-F9P is delivered: satellites from 10 degrees on.
+  /// Settings of a ZED-F9P as it is delivered: satellites from 10 degrees on.
   static GnssCommand command() {
     GnssCommand command;
     command.minimum_elevation_rad = 10.0 * kDegree;
@@ -116,9 +116,9 @@ class RtkDay {
 /// Epochs of one kind of solution.
 struct RtkErrors {
   int epochs = 0;
-  double level_squares = 0.0;  ///< Of errors over their accuracies, axis by axis.
+  double level_squares = 0.0;  ///< Sum of the squared errors over their accuracies.
   double upright_squares = 0.0;
-  double worst_level = 0.0;  ///< The same, radial.
+  double worst_level = 0.0;  ///< Greatest error over its accuracy.
   double worst_upright = 0.0;
   double worst_m = 0.0;  ///< Level.
 

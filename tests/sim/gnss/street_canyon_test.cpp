@@ -50,7 +50,7 @@ struct Statistics {
   double fixes = 0.0;
   std::vector<double> horizontal_m;
   std::vector<std::vector<Eigen::Vector2d>> errors_m;  ///< Per drive.
-  /// Of the satellites tracked, by 15 degrees of elevation.
+  /// Sums over the satellites tracked, by 15 degrees of elevation.
   std::array<double, 6> strength_dbhz{};
   std::array<double, 6> strengths{};
 };

@@ -42,7 +42,7 @@ TriangleMesh stalk() {
   return mesh;
 }
 
-/// Of a convex body: its perimeter over pi, on the average over all directions (Cauchy).
+/// Mean width of a stalk over all directions: a convex body's is its perimeter over pi (Cauchy).
 double mean_width_m() {
   return kSides * 2.0 * kRadius_m * std::sin(std::numbers::pi / kSides) / std::numbers::pi;
 }

@@ -21,7 +21,7 @@ Material white() {
 /// Greatest range error at a wall that the sensor drives towards, truth at each shot's instant.
 struct MotionError {
   double worst_m = 0.0;
-  double worst_told_m = 0.0;  ///< Of the truth output.
+  double worst_told_m = 0.0;  ///< Greatest error of the truth output.
   std::uint64_t pixels = 0;
 };
 MotionError error_while_moving(int images_per_revolution) {
@@ -80,7 +80,7 @@ TEST(DepthImageErrors, MissesTheMotionSinceItsImage) {
   EXPECT_LT(one.worst_told_m, 1e-4);
   const MotionError ten = error_while_moving(10);
   EXPECT_NEAR(ten.worst_m, 0.05, 0.01);
-  // The same columns, once each, and a margin at the parts' ends.
+  // Both render the same columns, once each; ten images add a margin at the parts' ends.
   EXPECT_GE(ten.pixels, one.pixels);
   EXPECT_LT(static_cast<double>(ten.pixels), 1.3 * static_cast<double>(one.pixels));
 }

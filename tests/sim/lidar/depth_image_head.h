@@ -28,7 +28,7 @@ inline LidarPattern ideal_head() {
   return head;
 }
 
-/// The same with the real one's offsets and delays.
+/// The ideal head with the real one's offsets and delays.
 inline LidarPattern real_head() {
   LidarPattern head = ideal_head();
   for (std::size_t i = 0; i < 32; ++i) {

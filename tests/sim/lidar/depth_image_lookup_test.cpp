@@ -24,7 +24,7 @@ class Painted {
     parameters.width_px = 64;
     return parameters;
   }
-  /// Of the plane n . p = d, where it is in front of the camera.
+  /// Inverse depth of the plane n . p = d, where it is in front of the camera.
   [[nodiscard]] double plane(const Vector3d& n, double d, double u_px, double v_px) const {
     return n.dot(geometry.direction_S({0, u_px, v_px})) / d;
   }

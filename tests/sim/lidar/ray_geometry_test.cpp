@@ -320,7 +320,7 @@ TEST(RayGeometry, TheTimesOfThePointsUndoTheMotionOfTheSensor) {
         if (range == 0.0) {
           continue;
         }
-        // As a client does: azimuth of the firing, moved on by its rate.
+        // A client computes the azimuth like this: that of the firing, moved on by its rate.
         const double w = head.lasers[i].elevation_rad;
         const double a = firing.rotor_azimuth_rad +
                          firing.rotor_rate_radps * to_seconds(head.lasers[i].time_offset);

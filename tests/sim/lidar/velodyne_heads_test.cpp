@@ -25,12 +25,12 @@ using beam_test::paint;
 struct Capture {
   std::string model;
   double rpm;
-  Duration firing_period;  ///< Of the azimuths that were compared.
+  Duration firing_period;  ///< Time between the azimuths that were compared.
   double least_noise_m;
   double greatest_noise_m;
   double least_bias_m;  ///< Spread over the lasers.
   double greatest_bias_m;
-  double step_sigma_counts;  ///< Of the azimuth from block to block, 0.01 degrees.
+  double step_sigma_counts;  ///< Spread of the azimuth step from block to block, 0.01 degrees.
   double once_in_a_turn_counts;
   double data_sheet_m;  ///< Accuracy.
 };
@@ -426,7 +426,7 @@ TEST(VelodyneHeads, FogLeavesHardTargetsTheStrongest) {
   struct Air {
     double visibility_m;
     double range_m;
-    double least_share;  ///< Of shots whose strongest echo is the wall.
+    double least_share;  ///< Share of shots whose strongest echo is the wall.
   };
   for (const std::uint64_t seed : {1U, 2U}) {
     for (const Air& air :

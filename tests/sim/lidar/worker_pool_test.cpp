@@ -28,7 +28,7 @@ TEST(WorkerPool, EveryTaskRunsOnceWhateverTheThreadsAndTheirPriority) {
 }
 
 TEST(WorkerPool, SpareTimeThreadsThatGetNoneDoNotStopIt) {
-  // As many threads that never rest as there are processors.
+  // There are as many threads that never rest as processors.
   std::atomic<bool> over{false};
   std::vector<std::thread> others;
   for (unsigned i = 0; i < std::thread::hardware_concurrency(); ++i) {

@@ -103,12 +103,12 @@ struct Step {
 
   Ground ground;
   TandemRoller machine;
-  double highest_m = 0.0;  ///< Of the front drum.
+  double highest_m = 0.0;  ///< Greatest height of the front drum.
   double most_mps2 = 0.0;
   double late_m = 0.0;  ///< Where it was 2 s before the end.
 };
 
-/// Of terrain: level, and from x = 4 m on higher.
+/// Terrain that is level, and higher from x = 4 m on.
 Ground raised(double rise_m, double friction) {
   HeightField field;
   field.origin_m = {-10.0, -10.0};

@@ -143,7 +143,7 @@ TEST(FixedAndMoving, ThingsAddedBetweenSlicesAndFarMovesAreSeen) {
 }
 
 TEST(FixedAndMoving, AThingIsMetAlikeWhereItStandsOrIsCarried) {
-  // The same boxes, all fixed, all on bodies that rest, or every other one on a body.
+  // Boxes at the same places: all fixed, all on bodies that rest, or every other one on a body.
   RandomStream placing(7, "boxes");
   std::vector<Isometry3d> poses;
   for (int i = 0; i < 80; ++i) {

@@ -37,7 +37,7 @@ TEST(ReflectanceGrain, KeepsTheMeanAndHasALongTail) {
       sum += static_cast<double>(found.back());
     }
     std::ranges::sort(found);
-    // Of 4 u^3 - 1: variance 9 / 7, median -1 / 2, 95 % below 2.43.
+    // Distribution of 4 u^3 - 1: variance 9 / 7, median -1 / 2, 95 % below 2.43.
     const double v = static_cast<double>(variation);
     EXPECT_NEAR(sum / kPoints, 0.2, 0.2 * v * 4.0 * std::sqrt(9.0 / 7.0 / kPoints));
     EXPECT_NEAR(found[kPoints / 2], 0.2 * (1.0 - 0.5 * v), 0.2 * v * 0.03);

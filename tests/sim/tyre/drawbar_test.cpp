@@ -57,7 +57,7 @@ TEST(Drawbar, PullOfARigidWheelIsThatOfATestBedWithinAFifthOfTheLoad) {
   EXPECT_LT(std::sqrt(sum2 / 12.0), 0.1);
 }
 
-// As in every field test: less pressure, more pull.
+// Every field test finds that less pressure gives more pull.
 TEST(Drawbar, TheFieldsPressurePullsMoreThanTheRoads) {
   const auto cases = drawbar_cases();
   for (std::size_t i = 0; i < cases.size(); i += 2) {

@@ -84,7 +84,7 @@ struct Drive {
   double farthest_m = -1e9;
 };
 
-constexpr double kFront_m = 4.75;  // Of the cab, before the rear axle.
+constexpr double kFront_m = 4.75;  // Front of the cab, before the rear axle.
 
 class EveryLevel : public testing::TestWithParam<VehicleLevel> {};
 

@@ -183,7 +183,7 @@ TEST(VehicleArticulation, LimiterHoldsAndTheDiagonalIsUnloaded) {
     EXPECT_GE(wheel.load_n, 0.0);
     least = std::min(least, wheel.load_n);
   }
-  EXPECT_LT(least, 1.2e4);  // Of 21 kN.
+  EXPECT_LT(least, 1.2e4);  // 21 kN on level ground.
 }
 
 TEST(VehicleChassis, UpsideDownItLiesOnItsRoof) {

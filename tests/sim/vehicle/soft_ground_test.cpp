@@ -229,7 +229,7 @@ TEST(VehicleInMud, LeavingItLoadsChangeSmoothlyAndNothingIsGained) {
   for (const double speed : {1.0, 3.0}) {
     BareVehicle rig(leaving_mud());
     rig.machine.start_rolling(speed);
-    // As much torque as keeps it moving; its work is counted.
+    // The torque just keeps it moving; its work is counted.
     drive(rig, 2.9e3);
     double jump = 0.0;
     double greatest = 0.0;

@@ -82,7 +82,7 @@ TEST(TerrainContact, AChassisPointIsBorneByWhatSoilBears) {
   mud.internal_friction_rad = 0.1;
   WheeledVehicleParameters points = WheeledVehicleParameters();
   points.solid.boxes.clear();
-  // Of the deepest point, the vehicle put down on its roof.
+  // Depth of the deepest point, the vehicle put down on its roof.
   const auto deepest_m = [&](const SoilParameters& soil) {
     BareVehicle rig(Ground::plane({0.0, 0.0, 1.0}, soil), points);
     rig.machine.command(released());

@@ -95,7 +95,7 @@ struct BareVehicle {
   FullVehicle machine;
 };
 
-/// As rigid as the solver's conditioning lets it be: for closed forms of rigid bodies.
+/// Parameters as rigid as the solver's conditioning allows: for closed forms of rigid bodies.
 inline WheeledVehicleParameters nearly_rigid(WheeledVehicleParameters p) {
   for (VehicleAxleParameters* axle : {&p.front, &p.rear}) {
     axle->beam.spring_npm *= 200.0;

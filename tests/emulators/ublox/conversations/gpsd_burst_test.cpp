@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 struct Request {
-  std::uint8_t id = 0;  ///< Of class CFG.
+  std::uint8_t id = 0;  ///< Identifier in class CFG.
   std::uint8_t kind = 0;
   std::uint8_t message = 0;
 };

@@ -6,7 +6,7 @@ namespace rigwire::emulators {
 
 void visit(fields::Visitor& v, SlowNodeFault& p) {
   v.number("share", p.share, fields::in("%").above(0).at_most(100),
-           "Of each message that the node sends by itself, evenly.");
+           "Share of each message that is still sent, spread evenly.");
   visit_ramp(v, p.ramp);
 }
 

@@ -8,7 +8,7 @@ using protocols::can::Frame;
 
 void visit(fields::Visitor& v, ShareOfFrames& p) {
   v.number("share", p.share, fields::in("%").above(0).at_most(100),
-           "Of the frames, each by itself, to which it happens.");
+           "Share of the frames that are affected, drawn for each frame.");
   visit_ramp(v, p.ramp);
 }
 

@@ -56,15 +56,17 @@ struct QuantitiesOf<ImuSample> {
        [](ImuSample& s) -> double& { return s.angular_rate_radps.y; }},
       {{"rate_z", "Rate of yaw, rad/s."},
        [](ImuSample& s) -> double& { return s.angular_rate_radps.z; }},
-      {{"temperature", "Of the sensor, degC."},
+      {{"temperature", "Temperature of the sensor, degC."},
        [](ImuSample& s) -> double& { return s.temperature_c; }},
   }};
 };
 template <>
 struct QuantitiesOf<EncoderSample> {
   static constexpr std::array<FaultyQuantity<EncoderSample>, 2> kAll{{
-      {{"angle", "Of the shaft, rad."}, [](EncoderSample& s) -> double& { return s.angle_rad; }},
-      {{"rate", "Of the shaft, rad/s."}, [](EncoderSample& s) -> double& { return s.rate_radps; }},
+      {{"angle", "Angle of the shaft, rad."},
+       [](EncoderSample& s) -> double& { return s.angle_rad; }},
+      {{"rate", "Rate of the shaft, rad/s."},
+       [](EncoderSample& s) -> double& { return s.rate_radps; }},
   }};
 };
 template <>
@@ -74,7 +76,7 @@ struct QuantitiesOf<PowerUnitSample> {
        [](PowerUnitSample& s) -> double& { return s.engine.speed_radps; }},
       {{"coolant", "Temperature, degC."},
        [](PowerUnitSample& s) -> double& { return s.engine.coolant_c; }},
-      {{"oil_pressure", "Of the engine, Pa."},
+      {{"oil_pressure", "Oil pressure of the engine, Pa."},
        [](PowerUnitSample& s) -> double& { return s.engine.oil_pressure_pa; }},
       {{"fuel_level", "0 .. 1."},
        [](PowerUnitSample& s) -> double& { return s.engine.fuel_level_share; }},
@@ -101,9 +103,9 @@ struct QuantitiesOf<VehicleSample> {
        [](VehicleSample& s) -> double& { return s.front_steer_rad; }},
       {{"rear_steer", "Angle of the equivalent wheel, rad."},
        [](VehicleSample& s) -> double& { return s.rear_steer_rad; }},
-      {{"odometry_speed", "As the machine's kinematic model has it, m/s."},
+      {{"odometry_speed", "Speed by the machine's kinematic model, m/s."},
        [](VehicleSample& s) -> double& { return s.odometry.speed_mps; }},
-      {{"odometry_curvature", "Of the path, 1/m."},
+      {{"odometry_curvature", "Curvature of the path, 1/m."},
        [](VehicleSample& s) -> double& { return s.odometry.curvature_1pm; }},
   }};
 };
@@ -118,9 +120,11 @@ struct QuantitiesOf<JoystickSample> {
        [](JoystickSample& s) -> double& { return s.axes[2]; }},
       {{"right_y", "Right stick, of full travel."},
        [](JoystickSample& s) -> double& { return s.axes[3]; }},
-      {{"left_pedal", "Of full travel."}, [](JoystickSample& s) -> double& { return s.axes[4]; }},
-      {{"right_pedal", "Of full travel."}, [](JoystickSample& s) -> double& { return s.axes[5]; }},
-      {{"dial", "Of full travel."}, [](JoystickSample& s) -> double& { return s.axes[6]; }},
+      {{"left_pedal", "Left pedal, of full travel."},
+       [](JoystickSample& s) -> double& { return s.axes[4]; }},
+      {{"right_pedal", "Right pedal, of full travel."},
+       [](JoystickSample& s) -> double& { return s.axes[5]; }},
+      {{"dial", "Dial, of full travel."}, [](JoystickSample& s) -> double& { return s.axes[6]; }},
   }};
 };
 

@@ -298,7 +298,7 @@ constexpr std::array kPrivilegeRows{
     row("control", "The heartbeat's timeout is kept", kMust,
         [](T& t) { kept(t, boot::kHeartbeatTimeout, 5000); }),
     row("control", "A heartbeat's timeout below 500 ms is not taken", kShould, heartbeat_floor),
-    row("control", "Who is silent loses control", kMust, silence_loses),
+    row("control", "A silent client loses control", kMust, silence_loses),
     row("control", "Control is kept while heartbeats arrive", kMust, heartbeat_keeps),
     row("control", "WRITEREG that comes again is answered again", kMust, repeated_request),
     row(

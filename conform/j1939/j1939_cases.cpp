@@ -529,7 +529,7 @@ std::vector<J1939Case> j1939_transport_cases() {
       NetworkRow{"5.10.2", "A long group to everybody is announced and sent, 50 to 200 ms apart",
                  broadcast},
       NetworkRow{"5.10.3", "A long group to one is announced, and sent when it may", to_us},
-      NetworkRow{"5.10.3", "Of packets as many are sent as are asked for", one_by_one},
+      NetworkRow{"5.10.3", "Only as many packets are sent as are asked for", one_by_one},
       NetworkRow{"5.10.3", "A packet is sent again when it is asked for", once_more},
       NetworkRow{"5.10.3", "Nothing is sent while it is held", held},
       NetworkRow{"5.10.3", "Aborted it sends no more", aborted},

@@ -642,7 +642,7 @@ constexpr std::array kRows{
     Row{"sentence", "31.1.1", "A sentence has at most 82 characters", kShould, length},
     Row{"sentence", "31.1.2", "The talker is one of satellite navigation", kMust, talkers},
     Row{"sentence", "31.2", "A sentence has the fields of its type", kMust, field_counts},
-    Row{"sentence", "31.2", "Which sentences come", kObserved, kinds},
+    Row{"sentence", "31.2", "Kinds of sentences that come", kObserved, kinds},
     Row{"field", "31.2, RMC", "Times of day are hhmmss.ss", kMust, times},
     Row{"field", "31.1.5", "Places are degrees and minutes with their letters", kMust, places},
     Row{"field", "31.1.5", "How fine places are", kObserved, minutes_digits},

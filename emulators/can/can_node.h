@@ -24,7 +24,7 @@ enum class CanQueueOrder : std::uint8_t {
   priority,  ///< Order of the arbitration field; frames with equal fields in order of arrival.
 };
 inline constexpr std::array<fields::Choice<CanQueueOrder>, 2> kCanQueueOrders{
-    {{CanQueueOrder::fifo, "fifo", "As the frames came."},
+    {{CanQueueOrder::fifo, "fifo", "In the order in which the frames came."},
      {CanQueueOrder::priority, "priority", "The most urgent identifier first."}}};
 
 /// Name of the node that stands for the client.

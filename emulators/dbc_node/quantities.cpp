@@ -60,7 +60,8 @@ constexpr std::array kInertial{
         member<&ImuSample::angular_rate_radps, &Vector3::y>},
     Imu{"rate_z", Dimension::angular_rate, "About the upward axis: to the left positive.",
         member<&ImuSample::angular_rate_radps, &Vector3::z>},
-    Imu{"temperature", Dimension::temperature, "Of the sensor.", member<&ImuSample::temperature_c>},
+    Imu{"temperature", Dimension::temperature, "Temperature of the sensor.",
+        member<&ImuSample::temperature_c>},
 };
 
 bool has_position(const GnssSample& sample) {
@@ -157,7 +158,7 @@ template <std::size_t... kIndex>
 constexpr auto valve_moves(std::index_sequence<kIndex...> /*sections*/) {
   return std::array{
       ValveMove{kOpening[kIndex], Dimension::ratio,
-                "Of the section's spool, -1 .. 1 of its travel.", 0.0,
+                "Place of the section's spool, -1 .. 1 of its travel.", 0.0,
                 [](ValveCommand& c, double x) { c.opening[kIndex] = std::clamp(x, -1.0, 1.0); }}...,
       ValveMove{kFloating[kIndex], Dimension::none, "Not 0: both ports of the section to tank.",
                 0.0, [](ValveCommand& c, double x) { c.floating[kIndex] = x != 0.0; }}...};
@@ -201,7 +202,7 @@ using Power = SampleQuantity<PowerUnitSample>;
 constexpr auto kPowerUnit = joined(
     engine_rows<PowerUnitSample, &PowerUnitSample::engine>(),
     std::array{
-        Power{"dial", Dimension::ratio, "Of the machine's own speed dial, 0 .. 1.",
+        Power{"dial", Dimension::ratio, "The machine's own speed dial, 0 .. 1.",
               member<&PowerUnitSample::dial_share>},
         Power{"pump_pressure", Dimension::pressure, "", member<&PowerUnitSample::pump_pressure_pa>},
         Power{"pump_flow", Dimension::flow, "", member<&PowerUnitSample::pump_flow_m3ps>},
@@ -213,7 +214,7 @@ constexpr std::array kPowerMoves{
                                         c.speed_radps = x > 0.0 ? std::optional(x) : std::nullopt;
                                       }},
     CommandQuantity<PowerUnitCommand>{
-        "torque_limit", Dimension::ratio, "Of the reference torque, 0 .. 1.", 1.0,
+        "torque_limit", Dimension::ratio, "Share of the reference torque, 0 .. 1.", 1.0,
         [](PowerUnitCommand& c, double x) { c.torque_limit_share = std::clamp(x, 0.0, 1.0); }},
 };
 
@@ -221,7 +222,7 @@ using Drive = SampleQuantity<VehicleSample>;
 constexpr auto kVehicle =
     joined(engine_rows<VehicleSample, &VehicleSample::engine>(),
            std::array{Drive{"speed", Dimension::speed,
-                            "Of the reference point, by wheels and steering.",
+                            "Speed of the reference point, by wheels and steering.",
                             member<&VehicleSample::odometry, &OdometryReading::speed_mps>},
                       Drive{"ground_speed", Dimension::speed,
                             "Over the ground, where a radar is fitted.",
@@ -241,8 +242,8 @@ constexpr auto kVehicle =
                       Drive{"gear", Dimension::none, "Engaged; 0 neutral, reverse negative.",
                             member<&VehicleSample::gear>},
                       Drive{"brake", Dimension::ratio, "", member<&VehicleSample::brake_share>},
-                      Drive{"parking_brake", Dimension::none,
-                            "1 set.", member<&VehicleSample::parking_brake>},
+                      Drive{"parking_brake", Dimension::none, "1 set.",
+                            member<&VehicleSample::parking_brake>},
                       Drive{"hydraulic_pressure", Dimension::pressure, "",
                             member<&VehicleSample::hydraulic_pressure_pa>},
                       Drive{"front_hitch", Dimension::ratio, "0 down .. 1 up.",
@@ -280,7 +281,7 @@ constexpr std::array kVehicleMoves{
                 c.engine_control = EngineControl::torque;
                 c.engine_torque_share = std::clamp(x, 0.0, 1.0);
               }},
-    DriveMove{"engine_speed", Dimension::angular_rate, "That the governor holds.", 0.0,
+    DriveMove{"engine_speed", Dimension::angular_rate, "Speed that the governor holds.", 0.0,
               [](VehicleCommand& c, double x) {
                 c.engine_control = EngineControl::speed;
                 c.engine_speed_radps = std::max(x, 0.0);
@@ -290,7 +291,7 @@ constexpr std::array kVehicleMoves{
                 constexpr double kMostGears = 64.0;
                 c.gear = static_cast<int>(std::lround(std::clamp(x, -kMostGears, kMostGears)));
               }},
-    DriveMove{"brake", Dimension::ratio, "Of the service brake, 0 .. 1.", 0.0,
+    DriveMove{"brake", Dimension::ratio, "The service brake, 0 .. 1.", 0.0,
               [](VehicleCommand& c, double x) { c.brake_share = std::clamp(x, 0.0, 1.0); }},
     DriveMove{"parking_brake", Dimension::none, "Not 0: set.", 1.0,
               [](VehicleCommand& c, double x) { c.parking_brake = x != 0.0; }},

@@ -105,7 +105,7 @@ FeatureKind off_or_continuous() {
 
 void device_control(Table& t) {
   t.category("DeviceControl");
-  t.constant("DeviceVendorName", "Who makes the device.", StringFeature{}, boot::kManufacturerName,
+  t.constant("DeviceVendorName", "Maker of the device.", StringFeature{}, boot::kManufacturerName,
              32);
   t.constant("DeviceModelName", "Model of the device.", StringFeature{}, boot::kModelName, 32);
   t.constant("DeviceManufacturerInfo", "What the maker says of the device.", StringFeature{},
@@ -224,7 +224,7 @@ void acquisition_control(Table& t, const GigeCameraSettings& settings) {
             choice({{static_cast<int>(TriggerSource::software), "Software"},
                     {static_cast<int>(TriggerSource::line), "Line0"}}),
             reg::kTriggerSource);
-  t.setting("TriggerActivation", "Which edge of the line triggers.", choice({{0, "RisingEdge"}}),
+  t.setting("TriggerActivation", "Edge of the line that triggers.", choice({{0, "RisingEdge"}}),
             reg::kTriggerActivation);
   t.setting("TriggerSoftware", "Triggers one exposure.", CommandFeature{}, reg::kTriggerSoftware);
   t.setting("TriggerDelay", "From the trigger to the exposure.", real(0, 1e6, "us"),

@@ -11,7 +11,8 @@ void visit_share(fields::Visitor& v, Fault& p, std::string_view text) {
   v.number("share", p.share, in("%").above(0).at_most(100), text);
   visit_ramp(v, p.ramp);
 }
-constexpr std::string_view kOfPackets = "Of the packets, each by itself, to which it happens.";
+constexpr std::string_view kOfPackets =
+    "Share of the packets that are affected, drawn for each packet.";
 
 }  // namespace
 
@@ -28,11 +29,12 @@ void visit(fields::Visitor& v, DuplicatedStreamPacketsFault& p) {
 }
 
 void visit(fields::Visitor& v, LostTriggerFault& p) {
-  visit_share(v, p, "Of the triggers, each by itself, to which it happens.");
+  visit_share(v, p, "Share of the triggers that are affected, drawn for each trigger.");
 }
 
 void visit(fields::Visitor& v, SlowPicturesFault& p) {
-  v.number("share", p.share, in("%").between(1, 100), "Of the rate at which pictures come.");
+  v.number("share", p.share, in("%").between(1, 100),
+           "Share of the rate at which pictures still come.");
 }
 
 void visit(fields::Visitor& v, OverTemperatureFault& p) {

@@ -31,7 +31,7 @@ void visit(fields::Visitor& v, J1939NameSettings& p) {
             "Function in the NAME: 23 vehicle navigation, 30 management computer; with "
             "industry_group 2 and device_class 0, 134 tractor ECU.");
   v.integer("function_instance", p.function_instance, IntegerRule{0, 31},
-            "Which of several such functions it is, in the NAME.");
+            "Number among several such functions, in the NAME.");
   v.integer("device_class", p.device_class, IntegerRule{0, 127},
             "Device class (vehicle system) in the NAME; 0 = none in particular.");
   v.integer("industry_group", p.industry_group, IntegerRule{0, 7},

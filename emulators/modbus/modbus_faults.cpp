@@ -213,19 +213,19 @@ void visit(fields::Visitor& v, ModbusNoiseFault& p) {
 void visit(fields::Visitor& v, ModbusFaultScope& p) {
   v.integer("unit", p.unit, IntegerRule{0, kUnitMaximum},
             "Unit that it concerns; 0 = every unit of the line.");
-  v.choice("table", p.table, kTables, "Which requests it concerns.");
+  v.choice("table", p.table, kTables, "Table of the requests that it concerns.");
   v.integer("first", p.first, IntegerRule{0, 65535},
             "First address that it concerns, from 0, with a table.");
   v.integer("last", p.last, IntegerRule{0, 65535}, "Last address that it concerns, included.");
   v.number("share", p.share, in("%").above(0).at_most(100),
-           "Of the requests, each by itself, that it concerns.");
+           "Share of the requests that are affected, drawn for each request.");
 }
 
 void visit(fields::Visitor& v, ModbusFault& p) {
   visit(v, p.when);
   visit(v, p.scope);
   v.required("type");
-  v.variant("type", p.what, "Which fault it is.");
+  v.variant("type", p.what, "Kind of the fault.");
 }
 
 void validate(const ModbusFault& fault, ModbusWire wire) {

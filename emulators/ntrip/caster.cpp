@@ -15,7 +15,7 @@ namespace rtcm3 = protocols::rtcm3;
 using namespace std::chrono_literals;
 
 constexpr std::array<fields::Choice<NtripCasterSettings::Version>, 3> kVersions{
-    {{NtripCasterSettings::Version::automatic, "automatic", "As the client says."},
+    {{NtripCasterSettings::Version::automatic, "automatic", "The version that the client names."},
      {NtripCasterSettings::Version::first, "1", "Version 1 to everybody."},
      {NtripCasterSettings::Version::second, "2", "Version 2 to everybody."}}};
 
@@ -46,7 +46,7 @@ void visit(fields::Visitor& v, WrongStationFault& p) {
 }
 void visit(fields::Visitor& v, CorruptCorrectionsFault& p) {
   v.number("share", p.share, fields::in("%").above(0).at_most(100),
-           "Of the frames, each by itself, to which it happens.");
+           "Share of the frames that are affected, drawn for each frame.");
   visit_ramp(v, p.ramp);
 }
 void visit(fields::Visitor& v, CasterFault& p) {

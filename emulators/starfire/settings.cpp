@@ -52,7 +52,7 @@ void visit(fields::Visitor& v, StarFireSettings& p) {
           "not a rate that the receiver offers",
           "a period of " + fields::print_duration(p.sentence_period.count()), "1, 5, 10 Hz");
   v.texts("nmea_sentences", p.sentences, "Sentences that it sends, of GGA GSA RMC VTG ZDA.");
-  v.text("talker", p.talker, "Who the sentences say is talking, GP or GN.");
+  v.text("talker", p.talker, "Talker of the sentences, GP or GN.");
   v.check(p.talker == "GP" || p.talker == "GN", "talker", "unknown value", "\"" + p.talker + "\"",
           "GP GN");
   v.integer("source_address", p.source_address, fields::IntegerRule{0, 253}, "J1939 address.");

@@ -37,7 +37,7 @@ struct FormatInfo {
   double greatest;
 };
 constexpr std::array kFormats{
-    FormatInfo{"bit", "Of coils and discrete inputs.", 1, 0.0, 1.0},
+    FormatInfo{"bit", "Coils and discrete inputs.", 1, 0.0, 1.0},
     FormatInfo{"u16", "", 1, 0.0, 65535.0},
     FormatInfo{"s16", "", 1, -32768.0, 32767.0},
     FormatInfo{"u32", "Two registers.", 2, 0.0, 4294967295.0},
@@ -73,7 +73,7 @@ constexpr std::array<fields::Choice<bool>, 2> kAccess{
 constexpr std::array<fields::Choice<bool>, 2> kMapRules{
     {{false, "refuse", "Exception 03."}, {true, "clip", "Held at the limit."}}};
 constexpr std::array<fields::Choice<RangeRule>, 3> kRangeRules{
-    {{RangeRule::of_map, "map", "As the map says for all."},
+    {{RangeRule::of_map, "map", "The map's rule for all registers."},
      {RangeRule::refuse, "refuse", "Exception 03."},
      {RangeRule::clip, "clip", "Held at the limit."}}};
 constexpr std::array<fields::Choice<bool>, 2> kGaps{
@@ -328,7 +328,7 @@ void visit(fields::Visitor& v, ValveRegister& p) {
   v.required("name");
   v.text("name", p.name, "Name of the register, a field term in snake_case.");
   v.required("table");
-  v.choice("table", p.table, kTables, "Which of the four tables it is in.");
+  v.choice("table", p.table, kTables, "Table that the register is in, one of four.");
   v.required("address");
   v.integer("address", p.address, IntegerRule{0, 65535},
             "Address of the first, from 0, as on the wire.");

@@ -76,7 +76,7 @@ void visit(fields::Visitor& v, VehicleGatewaySettings& p) {
             "Forward gears that may be asked for.");
   v.integer("gears_reverse", p.gears_reverse, IntegerRule{0, 125},
             "Reverse gears that may be asked for.");
-  v.choice("steering", p.steering, kSteeringLayouts, "Which axles or drums steer.");
+  v.choice("steering", p.steering, kSteeringLayouts, "Axles or drums that steer.");
   v.number("wheelbase", p.wheelbase_m, in("m").between(0.1, 100),
            "Axle to axle, or drum to drum; turns curvature into steering angles.");
   v.number("maximum_front_steer", p.maximum_front_steer_rad, in("deg").between(0.1, 89.9),

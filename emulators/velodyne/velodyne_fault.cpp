@@ -10,7 +10,7 @@ namespace {
 template <class Fault>
 void visit_share(fields::Visitor& v, Fault& p) {
   v.number("share", p.share, in("%").above(0).at_most(100),
-           "Of the packets, each by itself, to which it happens.");
+           "Share of the packets that are affected, drawn for each packet.");
   visit_ramp(v, p.ramp);
 }
 

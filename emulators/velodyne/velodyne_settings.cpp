@@ -20,7 +20,7 @@ constexpr std::array<fields::Choice<velodyne::ReturnMode>, 3> kReturnModes{
      {velodyne::ReturnMode::last, "last", "The last echo of a shot."},
      {velodyne::ReturnMode::dual, "dual", "Both, or the second strongest."}}};
 constexpr std::array<fields::Choice<VelodyneReflectivity>, 4> kReflectivityScales{
-    {{VelodyneReflectivity::model, "model", "As the model does."},
+    {{VelodyneReflectivity::model, "model", "The scale of the model."},
      {VelodyneReflectivity::to_100, "to_100", "Retro-reflectors from 101."},
      {VelodyneReflectivity::to_110, "to_110", "Retro-reflectors from 111."},
      {VelodyneReflectivity::full, "full", "0 .. 255, retro-reflectors at 255."}}};
@@ -210,7 +210,7 @@ void visit(fields::Visitor& v, VelodyneSettings& p) {
   v.number("rate", p.saved.rotor_rpm,
            in("rpm").stored_as("rpm").between(0, model.maximum_rotor_rpm),
            "Speed of the rotor; 10 Hz is 600 rpm; 0 = it does not turn.");
-  v.choice("return_mode", p.saved.return_mode, kReturnModes, "Which echoes are sent.");
+  v.choice("return_mode", p.saved.return_mode, kReturnModes, "Echoes that are sent.");
   v.boolean("laser", p.saved.laser_on, "Whether the lasers fire.");
   v.group(
       "fov",

@@ -120,7 +120,7 @@ work
   --least M               diameter of the smallest rock            (0.4)
   --largest M             what is larger is no rock                (2.5)
   --nearest M             ahead along the ground                   (2)
-  --farthest M            as far as the least rock can be told when not given
+  --farthest M            as far as the smallest rock is recognised when not given
   --duration S            stop after S seconds
   --patience S            with a camera that sends nothing         (10)
   --wait                  wait for a silent camera, however long

@@ -75,7 +75,7 @@ work
   --gear N                to drive in; chosen by the speed when not given
   --off-path M            farther off than this it stops           (3.5)
   --heading DEG           compass heading at the start; along the path when not given
-what stands in the way
+obstacles
   --lidar-port N          Velodyne data packets; not given: it drives blind
   --lidar-address ADDRESS where they arrive                        (127.0.0.1)
   --lidar-mount X,Y,Z[,YAW,PITCH]  m and degrees, from the odometry's reference point on the

@@ -67,7 +67,7 @@ Options parse_options(std::span<const std::string_view> arguments) {
 const std::string kUsage =
     std::string(R"(roll_lane: rolls lanes with a tandem roller, drums in crab offset.
 
-The first lane begins where the machine stands and points where it points; forward on it, back on
+The first lane begins where the machine is and points where it points; forward on it, back on
 its neighbour with the other crab side, and so on.
 
 usage: roll_lane [options]

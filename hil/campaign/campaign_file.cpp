@@ -173,13 +173,13 @@ void visit(fields::Visitor& v, Campaign& p) {
   v.texts("program", p.program,
           "Field program and its arguments; {NAME}, {KEY.PATH}, {index}, {seed}, {folder} and "
           "{campaign} are filled in.");
-  v.choice("design", p.design, kCampaignDesigns, "Which runs there are.");
+  v.choice("design", p.design, kCampaignDesigns, "Rule by which the runs are chosen.");
   v.only_if(is_sampled(p.design), "design", "design: random, latin_hypercube or sobol",
             [&](fields::Visitor& keys) {
               keys.integer("runs", p.runs, {0, 1'000'000}, "How many runs there are.");
             });
   v.integer("seed", p.seed, fields::IntegerRule{0},
-            "Of the design, and of the seeds that the runs have.");
+            "Seed of the design, and of the seeds that the runs have.");
   v.boolean("keep_truth", p.keep_truth, "Each run keeps its ground truth, truth.jsonl.");
   v.named("parameters", p.parameters, "parameter", "What differs from run to run, by name.");
   v.named("criteria", p.criteria, "criterion", "What a run is judged by, by name.");

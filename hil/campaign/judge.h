@@ -18,9 +18,9 @@ namespace rigwire::hil {
 /// Quantities that a record of the truth has not under a key of its own. Each name ends with its
 /// unit.
 inline constexpr std::array<fields::Named, 5> kDerivedQuantities{
-    {{"speed_mps", "Of the first link over the ground's axes, never negative."},
-     {"heading_deg", "Of its x axis, left from east, -180 to 180."},
-     {"pitch_deg", "Of its x axis, up from level."},
+    {{"speed_mps", "Speed of the first link over the ground's axes, never negative."},
+     {"heading_deg", "Direction of its x axis, left from east, -180 to 180."},
+     {"pitch_deg", "Angle of its x axis, up from level."},
      {"roll_deg", "About its x axis, the right side down positive."},
      {"travelled_m", "Length of the way of the first link over the map, from the run's start."}}};
 

@@ -61,7 +61,7 @@ void declare(CLI::App& app, Parsed& parsed) {
                     "Keep processors from sleeping, so that wires are served at once; with the\n"
                     "clocks real and scaled:X");
   run_app->add_option("--duration", parsed.duration, "Simulated time, for example 20s or 5min");
-  run_app->add_option("--seed", parsed.seed, "Of every random stream; same as --set seed=N");
+  run_app->add_option("--seed", parsed.seed, "Seed of every random stream; same as --set seed=N");
   run_app->add_option("--report", parsed.report,
                       "Write figures of the run as JSON; - is standard output");
   run_app->add_option("--truth", parsed.truth, "Write the ground truth to a file");
@@ -72,7 +72,7 @@ void declare(CLI::App& app, Parsed& parsed) {
                           "Record wires, truth and events into a folder that is new or empty");
   run_app
       ->add_option("--only", parsed.record.only,
-                   "Of the recording: names of wires, \"truth\"; WIRE,WIRE")
+                   "Parts of the recording: names of wires, \"truth\"; WIRE,WIRE")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->needs(record);
@@ -101,7 +101,7 @@ void declare(CLI::App& app, Parsed& parsed) {
   CLI::App* picture_app =
       app.add_subcommand("picture", "One picture of a rig's camera as PNG, without a client");
   rig(picture_app);
-  picture_app->add_option("--device", parsed.camera, "Of the rig, when it has several cameras");
+  picture_app->add_option("--device", parsed.camera, "Camera of the rig, when it has several");
   picture_app
       ->add_option("--at", parsed.at, "Simulated time at which the exposure begins: 12.5s, 1min")
       ->capture_default_str();
@@ -125,7 +125,8 @@ void declare(CLI::App& app, Parsed& parsed) {
       "      -o depth.png");
 
   CLI::App* ctl_app = app.add_subcommand("ctl", "Govern a run that has --control");
-  ctl_app->add_option("endpoint", parsed.control, "As the run's --control has it")->required();
+  ctl_app->add_option("endpoint", parsed.control, "Endpoint that the run has as --control")
+      ->required();
   ctl_app
       ->add_option("verb", parsed.word,
                    "state, read, pause, resume, run_until, seek, step, speed, wait, fault_add,\n"
@@ -135,12 +136,13 @@ void declare(CLI::App& app, Parsed& parsed) {
                       "KEY=VALUE of the verb, and at=TIME; of record the folder, of set\n"
                       "NAME=VALUE of the machine's set points, without a value: released");
   ctl_app->add_flag("--follow", parsed.follow,
-                    "Of events: each as it comes, a line of JSON, to the end of the run");
+                    "With events: prints each as it comes, a line of JSON, to the end of the run");
   ctl_app
-      ->add_option("--only", parsed.record.only, "Of record: names of wires, \"truth\"; WIRE,WIRE")
+      ->add_option("--only", parsed.record.only,
+                   "With record: names of wires, \"truth\"; WIRE,WIRE")
       ->delimiter(',')
       ->allow_extra_args(false);
-  ctl_app->add_flag("--stop", parsed.stop, "Of record: the recording ends");
+  ctl_app->add_flag("--stop", parsed.stop, "With record: ends the recording");
   ctl_app->footer(
       "\nExamples:\n  rigwire ctl unix:/tmp/control run_until time=2s\n"
       "  rigwire ctl unix:/tmp/control wait quantity=boom value=40 limit=20s\n"
@@ -152,15 +154,17 @@ void declare(CLI::App& app, Parsed& parsed) {
   CLI::App* record_app =
       app.add_subcommand("record", "What a recording holds, a piece or a table of it");
   record_app->add_option("action", parsed.word, "info, cut or export")->required();
-  record_app->add_option("folder", parsed.recording, "As run --record had it")->required();
-  record_app->add_option("--from", parsed.from,
-                         "Of the piece: simulated time, for example 2s; its start without");
+  record_app->add_option("folder", parsed.recording, "Folder that run --record had")->required();
+  record_app->add_option(
+      "--from", parsed.from,
+      "Where the piece begins: simulated time, for example 2s; its start without");
   record_app->add_option("--to", parsed.to, "Where the piece ends, before that; its end without");
   record_app->add_option("-o,--output", parsed.output,
                          "Folder for the piece, new or empty; of export the CSV file");
-  record_app->add_option("--topic", parsed.topic,
-                         "Of export: truth (the default), transforms, antenna, statistics, events, "
-                         "motion, joints or points");
+  record_app->add_option(
+      "--topic", parsed.topic,
+      "With export: truth (the default), transforms, antenna, statistics, events, "
+      "motion, joints or points");
   record_app->add_flag("--json", parsed.json, "What it holds as JSON");
   record_app->footer(
       "\nExamples:\n  rigwire record info /tmp/dig\n"
@@ -169,7 +173,7 @@ void declare(CLI::App& app, Parsed& parsed) {
 
   CLI::App* replay_app = app.add_subcommand(
       "replay", "Play a recording on its wires, show it, or run it again and compare");
-  replay_app->add_option("folder", parsed.recording, "As run --record had it")->required();
+  replay_app->add_option("folder", parsed.recording, "Folder that run --record had")->required();
   replay_app->add_flag(
       "--verify", parsed.verify,
       "Run the recorded configuration with its clients again, on wires without\n"
@@ -207,9 +211,9 @@ void declare(CLI::App& app, Parsed& parsed) {
       ->add_option("kind", parsed.word,
                    "devices, machines, scenes, rigs, campaigns, faults or keys")
       ->required();
-  list_app->add_option("rig", parsed.rig.rig, "Whose keys: name or file");
+  list_app->add_option("rig", parsed.rig.rig, "Rig whose keys are listed: name or file");
   list_app->add_option("begin", parsed.from, "With what they begin: devices.gnss.");
-  list_app->add_flag("--json", parsed.json, "As JSON");
+  list_app->add_flag("--json", parsed.json, "Print JSON");
 
   CLI::App* describe_app = app.add_subcommand("describe", "Messages, rates, units, ranges, keys");
   CLI::Option* device = describe_app->add_option(
@@ -226,17 +230,18 @@ void declare(CLI::App& app, Parsed& parsed) {
                        "The messages of a CAN device of your own from its binding, as a table")
           ->excludes(device)
           ->excludes(valve_map);
-  CLI::Option* json = describe_app->add_flag("--json", parsed.json, "As JSON");
+  CLI::Option* json = describe_app->add_flag("--json", parsed.json, "Print JSON");
   CLI::Option* dbc =
       describe_app->add_option("--dbc", parsed.rig.rig, "RIG: print the DBC file of its CAN bus")
           ->excludes(device)
           ->excludes(json)
           ->excludes(valve_map)
           ->excludes(dbc_node);
-  describe_app->add_option("--bus", parsed.bus, "Of the rig, when it has several")->needs(dbc);
+  describe_app->add_option("--bus", parsed.bus, "Bus of the rig, when it has several")->needs(dbc);
   describe_app
-      ->add_option("--units", parsed.units,
-                   "Of the DBC file: si, or sae as SAE J1939 has them (rpm, %, kPa, km/h, deg)")
+      ->add_option(
+          "--units", parsed.units,
+          "Units of the DBC file: si, or sae as SAE J1939 has them (rpm, %, kPa, km/h, deg)")
       ->check(CLI::IsMember({"si", "sae"}))
       ->capture_default_str()
       ->needs(dbc);
@@ -248,7 +253,7 @@ void declare(CLI::App& app, Parsed& parsed) {
           ->excludes(valve_map)
           ->excludes(dbc_node)
           ->excludes(dbc);
-  describe_app->add_option("--device", parsed.node, "Of the rig, when it has several nodes")
+  describe_app->add_option("--device", parsed.node, "Node of the rig, when it has several")
       ->needs(eds);
   describe_app->footer(
       "\nExamples:\n  rigwire describe --dbc unimog_forest > unimog.dbc\n"
@@ -264,7 +269,7 @@ void declare(CLI::App& app, Parsed& parsed) {
       "and in a rig's first line: # yaml-language-server: $schema=rig.schema.json");
 
   CLI::App* doctor_app = app.add_subcommand("doctor", "What this machine can offer, and the fixes");
-  doctor_app->add_flag("--json", parsed.json, "As JSON");
+  doctor_app->add_flag("--json", parsed.json, "Print JSON");
 
   CLI::App* conform_app =
       app.add_subcommand("conform", "Hold a device to its protocol's documents, case by case");
@@ -332,7 +337,7 @@ void declare(CLI::App& app, Parsed& parsed) {
   file("--junit", conform.junit, "The result as JUnit XML");
   CLI::Option* html = file("--html", conform.html, "The result as a page");
   conform_app
-      ->add_option("--beside", conform.beside, "Of the page: earlier results (--json) beside this")
+      ->add_option("--beside", conform.beside, "With --html: earlier results (--json) beside this")
       ->allow_extra_args(false)
       ->needs(html);
   file("--captures", conform.captures, "Folder for a pcapng file of each case");
@@ -354,12 +359,13 @@ void declare(CLI::App& app, Parsed& parsed) {
                    "Campaign's file or name; of collect and report the folder of its runs")
       ->required();
   campaign_app->add_option("-o,--output", campaign.output,
-                           "Of expand and run: the campaign's folder, the same each time");
-  campaign_app->add_option("--index", campaign.index, "Of run: which one, 17, or which, 0-19");
-  campaign_app->add_option("--html", campaign.html, "Of report: a page; - is standard output");
+                           "With expand and run: the campaign's folder, the same each time");
+  campaign_app->add_option("--index", campaign.index,
+                           "With run: number of the run, 17, or range, 0-19");
+  campaign_app->add_option("--html", campaign.html, "With report: a page; - is standard output");
   campaign_app
       ->add_option("--axes", campaign.axes,
-                   "Of the page: two parameters to draw the runs over, X,Y")
+                   "With --html: two parameters to draw the runs over, X,Y")
       ->delimiter(',')
       ->allow_extra_args(false);
   campaign_app->footer(

@@ -409,7 +409,7 @@ struct Expectation {
 };
 void visit(fields::Visitor& v, Expectation& p) {
   v.required("id");
-  v.text("id", p.id, "Of the case.");
+  v.text("id", p.id, "Identity of the case.");
   v.required("verdict");
   v.text("verdict", p.verdict, "What is found: lenient, fail or informational.");
   v.required("reason");

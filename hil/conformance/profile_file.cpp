@@ -314,10 +314,10 @@ conform::ModbusClaims claims_of(const ModbusProfile& p) {
 void visit(fields::Visitor& v, ModbusProfile& p) {
   v.integer("unit", p.unit, {0, 255}, "Unit identifier; on a serial line the address, 1 to 247.");
   v.number_list("functions", p.functions, plain().between(1, 127), "Function codes that it has.");
-  v.texts("coils", p.coils, "Addresses as on the wire, from 0: \"0-15\", \"20\".");
-  v.texts("discrete_inputs", p.discrete_inputs, "The same of discrete inputs.");
-  v.texts("holding_registers", p.holding_registers, "The same of holding registers.");
-  v.texts("input_registers", p.input_registers, "The same of input registers.");
+  v.texts("coils", p.coils, "Coils, by their addresses as on the wire, from 0: \"0-15\", \"20\".");
+  v.texts("discrete_inputs", p.discrete_inputs, "Discrete inputs, written like coils.");
+  v.texts("holding_registers", p.holding_registers, "Holding registers, written like coils.");
+  v.texts("input_registers", p.input_registers, "Input registers, written like coils.");
   v.texts("writable_coils", p.writable_coils,
           "Coils that may be turned over and back without anything moving.");
   v.texts(
@@ -329,7 +329,7 @@ void visit(fields::Visitor& v, ModbusProfile& p) {
   v.number_list("queues", p.queues, plain().between(0, 65'535),
                 "Addresses of queues that function 24 reads.");
   v.duration("answer_within", p.answer_within, kSoon, "99 of 100 answers come within this.");
-  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+  v.duration("patience", p.patience, kSoon, "Longest wait for an answer.");
   v.choice("character", p.character, kCharacters, "How a character lies on a serial line.");
 }
 
@@ -362,7 +362,7 @@ void visit(fields::Visitor& v, UbxProfile& p) {
   v.number("rate", p.claims.rate_hz, fields::in("Hz").between(0, 100),
            "Navigation epochs per second as it is set; 0 = not claimed.");
   v.duration("answer_within", p.answer_within, kSoon, "99 of 100 answers come within this.");
-  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+  v.duration("patience", p.patience, kSoon, "Longest wait for an answer.");
 }
 
 void validate(const UbxProfile& p) {
@@ -379,7 +379,7 @@ void visit(fields::Visitor& v, CanopenProfile& p) {
   v.integer("node", p.node, {1, 127}, "Node-ID.");
   v.texts("objects", p.objects,
           "Objects that can be read: index in hexadecimal, sub-index, \"1018:1\".");
-  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+  v.duration("patience", p.patience, kSoon, "Longest wait for an answer.");
 }
 
 void validate(const CanopenProfile& p) {
@@ -391,7 +391,7 @@ void visit(fields::Visitor& v, J1939Profile& p) {
   v.texts("periodic", p.periodic, "Groups that come by themselves: \"61444 every 20 ms\".");
   v.number_list("requested", p.requested, plain().between(0, kGreatestGroup),
                 "Groups that a request is answered with.");
-  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+  v.duration("patience", p.patience, kSoon, "Longest wait for an answer.");
 }
 
 void validate(const J1939Profile& p) {
@@ -406,7 +406,7 @@ void visit(fields::Visitor& v, IsoValveProfile& p) {
   v.boolean("measured_flow", p.measured_flow, "It sends measured flow.");
   v.duration("command_timeout", p.command_timeout, {0, kSoon.upper_ns},
              "Without a command for this long a valve goes to neutral; 0 = not claimed.");
-  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+  v.duration("patience", p.patience, kSoon, "Longest wait for an answer.");
 }
 
 void validate(const IsoValveProfile& p) {
@@ -417,7 +417,7 @@ void validate(const IsoValveProfile& p) {
 }
 
 void visit(fields::Visitor& v, VelodyneProfile& p) {
-  v.text("model", p.claims.model, "As its data sheet writes it: HDL-32E; empty = by its packets.");
+  v.text("model", p.claims.model, "Name in its data sheet: HDL-32E; empty = by its packets.");
   v.text("return_mode", p.claims.return_mode, "strongest, last or dual; empty = not claimed.");
   v.number("rotor_speed", p.claims.rotor_rpm, fields::in("rpm").stored_as("rpm").between(0, 1200),
            "Speed that the rotor is set to; 0 = not claimed.");
@@ -458,9 +458,9 @@ void visit(fields::Visitor& v, GigeVisionProfile& p) {
   v.text("acquisition_stop", p.acquisition_stop, "Register that ends it, likewise.");
   v.text("payload_size", p.payload_size, "Register of the bytes of a block: \"0xA03C\".");
   v.number("rate", p.rate_hz, fields::in("Hz").between(0, 10'000),
-           "Of pictures while it acquires; 0: not claimed.");
+           "Pictures per second while it acquires; 0: not claimed.");
   v.duration("answer_within", p.answer_within, kSoon, "99 of 100 answers come within this.");
-  v.duration("patience", p.patience, kSoon, "Who has not answered by then does not.");
+  v.duration("patience", p.patience, kSoon, "Longest wait for an answer.");
 }
 
 void validate(const GigeVisionProfile& p) {

@@ -22,7 +22,7 @@
 namespace rigwire::hil {
 
 struct StateCommand {
-  static constexpr fields::Named kNamed{"state", "Which run it is, and whether it is paused."};
+  static constexpr fields::Named kNamed{"state", "The run, and whether it is paused."};
 };
 struct PauseCommand {
   static constexpr fields::Named kNamed{"pause", "Pauses simulated time."};

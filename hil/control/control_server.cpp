@@ -321,7 +321,7 @@ std::string control_api() {
                 {"content", {{kJson, {{"schema", {{"$ref", "#/components/schemas/Reply"}}}}}}}};
   };
   const Json refusals{{"401", response("At a port: without the run's token.")},
-                      {"403", response("Of a page, or with another Host.")}};
+                      {"403", response("Request of a page, or with another Host.")}};
   const Json outcomes{{"200", response("Done.")},
                       {"400", response("No request: what is wrong, and where.")},
                       {"409", response("Not now, or not with this run.")},

@@ -128,7 +128,7 @@ std::span<const DeviceType> device_types() {
 
 void visit(fields::Visitor& v, ConfiguredDevice& p) {
   v.required("type");
-  fields::visit_chosen(v, "type", p, "Which device it is.");
+  fields::visit_chosen(v, "type", p, "Type of the device.");
 }
 
 }  // namespace rigwire::hil

@@ -316,7 +316,7 @@ void GigeCameraConfiguration::visit(fields::Visitor& v) {
   v.text("address", address, "IPv4 address that is the camera's own, in 127.0.0.0/8.");
   v.boolean("allow_remote", allow_remote, "Permits addresses and clients outside this machine.");
   v.only_if(allow_remote, "allow_remote", "allow_remote: true", [this](fields::Visitor& w) {
-    w.text("netmask", netmask, "Of the camera's network; only clients in it are answered.");
+    w.text("netmask", netmask, "Mask of the camera's network; only clients in it are answered.");
     w.text("gateway", gateway, "Gateway that the camera reports.");
   });
   v.text("mac", mac, "Hardware address that it reports; empty = made from the address.");

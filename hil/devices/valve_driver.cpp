@@ -185,7 +185,7 @@ void visit(fields::Visitor& v, ValveDriverFault& p) {
   visit(v, p.when);
   visit(v, p.scope);
   v.required("type");
-  v.variant("type", p.what, "Which fault it is.");
+  v.variant("type", p.what, "Kind of the fault.");
   const bool of_line = std::visit(
       []<class What>(const What&) {
         return kIsAlternative<What, decltype(emulators::ModbusFault::what)>;

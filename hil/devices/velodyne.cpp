@@ -37,9 +37,9 @@ using fields::IntegerRule;
 namespace {
 
 constexpr std::array<Choice<SourcePorts>, 3> kSourcePorts{
-    {{SourcePorts::automatic, "auto", "As the sensor where possible, else the system chooses."},
+    {{SourcePorts::automatic, "auto", "The sensor's where possible, else the system chooses."},
      {SourcePorts::any, "any", "The system chooses them."},
-     {SourcePorts::model, "model", "As the sensor: the destination's, or 443."}}};
+     {SourcePorts::model, "model", "The sensor's: the destination's, or 443."}}};
 
 using emulators::VelodyneTimeSource;
 

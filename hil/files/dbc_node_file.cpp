@@ -38,7 +38,7 @@ using emulators::DbcChecksum;
 using emulators::NamedQuantity;
 
 constexpr std::array<Choice<DbcSendingBinding>, 6> kSendings{
-    {{DbcSendingBinding::as_file, "as_file", "As GenMsgSendType and GenMsgCycleTime say."},
+    {{DbcSendingBinding::as_file, "as_file", "By GenMsgSendType and GenMsgCycleTime of the file."},
      {DbcSendingBinding::cyclic, "cyclic", "By time."},
      {DbcSendingBinding::on_change, "on_change", "When a signal has another raw value."},
      {DbcSendingBinding::cyclic_and_on_change, "cyclic_and_on_change", "Both."},
@@ -615,15 +615,15 @@ class Binder {
 }  // namespace
 
 void visit(fields::Visitor& v, DbcLayoutBinding& p) {
-  v.number("scale", p.scale, plain(), "Of a count; 0: as the DBC file says.");
-  v.number("offset", p.offset, plain(), "Of raw 0, with `scale`.");
+  v.number("scale", p.scale, plain(), "Value of a count; 0: as the DBC file says.");
+  v.number("offset", p.offset, plain(), "Value of raw 0, with `scale`.");
   v.check(p.scale != 0.0 || p.offset == 0.0, "offset", "means nothing without a scale");
-  v.text("unit", p.unit, "Of the value; empty: as the DBC file says.");
+  v.text("unit", p.unit, "Unit of the value; empty: as the DBC file says.");
 }
 
 void visit(fields::Visitor& v, DbcSentBinding& p) {
   v.required("signal");
-  v.text("signal", p.signal, "Of the message.");
+  v.text("signal", p.signal, "Signal of the message.");
   v.text("quantity", p.quantity, "What it shows, for example joint.angle.");
   v.number("factor", p.factor, plain(), "The quantity is multiplied by it.");
   v.number("offset", p.offset, plain(), "Added to it, in the signal's unit.");
@@ -643,17 +643,18 @@ void visit(fields::Visitor& v, DbcSentBinding& p) {
 
 void visit(fields::Visitor& v, DbcSentMessageBinding& p) {
   v.required("message");
-  v.text("message", p.message, "Of the DBC file.");
+  v.text("message", p.message, "Message of the DBC file.");
   v.choice("send", p.send, kSendings, "When it is sent.");
   v.duration("period", p.period, {0, kHour_ns}, "From frame to frame; 0 = as the DBC file says.");
   v.text("after", p.after, "Also after each message of this name that is taken.");
-  v.integer("priority", p.priority, IntegerRule{-1, 7}, "Of J1939; -1 = as the DBC file says.");
+  v.integer("priority", p.priority, IntegerRule{-1, 7},
+            "Priority of J1939; -1 = as the DBC file says.");
   v.list("signals", p.signals, "What its signals show; others hold their start value.");
 }
 
 void visit(fields::Visitor& v, DbcTakenBinding& p) {
   v.required("signal");
-  v.text("signal", p.signal, "Of the message.");
+  v.text("signal", p.signal, "Signal of the message.");
   v.text("moves", p.moves, "What it moves, for example valves.opening_1.");
   v.number("factor", p.factor, plain(), "The signal's value is multiplied by it.");
   v.number("offset", p.offset, plain(), "Added to it, in the quantity's SI unit.");
@@ -673,7 +674,7 @@ void visit(fields::Visitor& v, DbcTakenBinding& p) {
 
 void visit(fields::Visitor& v, DbcTakenMessageBinding& p) {
   v.required("message");
-  v.text("message", p.message, "Of the DBC file.");
+  v.text("message", p.message, "Message of the DBC file.");
   v.duration("timeout", p.timeout, {0, kHour_ns}, "Then the safe values hold; 0 = never.");
   v.list("signals", p.signals, "What its signals are for; others are not looked at.");
 }

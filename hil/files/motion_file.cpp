@@ -18,9 +18,10 @@ void visit(fields::Visitor& v, MotionSettings& p) {
            "What the file calls the machine's first link; empty = as the machine does.");
     w.duration("start", p.start, kSpan, "Where the piece begins, from the file's zero.");
     w.duration("offset", p.offset, kSpan, "From the start of the run to the piece's.");
-    w.duration("smoothing", p.smoothing, fields::DurationRule{0, 10'000'000'000},
-               "Of poses without accelerations: standard deviation of the window that is averaged; "
-               "0 = as they are.");
+    w.duration(
+        "smoothing", p.smoothing, fields::DurationRule{0, 10'000'000'000},
+        "Standard deviation of the window that poses without accelerations are averaged over; "
+        "0 = as they are.");
   });
 }
 

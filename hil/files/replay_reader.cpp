@@ -479,7 +479,7 @@ void visit(fields::Visitor& v, ReplaySourceSettings& p) {
   v.file("file", p.file, fields::FileKind::replay,
          "Capture (pcap, pcapng), candump log, .bytes of a recording, or log of NMEA or UBX.");
   v.choice("direction", p.direction, kReplayedDirections, "For captures that record directions.");
-  v.text("wire", p.wire, "Of a file with several: the interface's name; empty = the only one.");
+  v.text("wire", p.wire, "Name of the interface in a file with several; empty = the only one.");
   v.text("from_address", p.from_address, "Datagrams from there only; empty = from anywhere.");
   v.integer("from_port", p.from_port, IntegerRule{0, 65535}, "Datagrams from that port; 0 = any.");
   v.integer("to_port", p.to_port, IntegerRule{0, 65535}, "Datagrams to that port; 0 = any.");

@@ -39,7 +39,7 @@ namespace rigwire::hil {
 enum class ReplayedKind : std::uint8_t { bytes, datagrams, frames };
 enum class ReplayedGaps : std::uint8_t { keep, cut };
 inline constexpr std::array<fields::Choice<ReplayedGaps>, 2> kReplayedGaps{
-    {{ReplayedGaps::keep, "keep", "As they are."},
+    {{ReplayedGaps::keep, "keep", "Gaps stay as they are."},
      {ReplayedGaps::cut, "cut", "What is longer than a second lasts one second."}}};
 
 enum class ReplayedDirection : std::uint8_t { automatic, inbound, outbound, both };

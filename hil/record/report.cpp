@@ -169,7 +169,7 @@ class MetricsText {
 
 std::string to_prometheus(const RunReport& report) {
   MetricsText text;
-  text.begin("run_info", "gauge", "Which run it is.");
+  text.begin("run_info", "gauge", "The run.");
   text.sample({{"rig", report.rig},
                {"version", version()},
                {"seed", std::to_string(report.seed)},

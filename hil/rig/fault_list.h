@@ -27,7 +27,7 @@ inline void visit(fields::Visitor& v, ListedFault& p) {
          "A device, `bus NAME`, `modbus NAME`, `air`, `machine.engine`, `machine.pumps`, or `sky`: "
          "every device with an antenna.");
   v.required("type");
-  v.text("type", p.type, "Which fault it is, of those that this can have.");
+  v.text("type", p.type, "Kind of the fault, one that this can have.");
   visit(v, p.when);
 }
 

@@ -86,13 +86,13 @@ inline void visit(fields::Visitor& v, RigConfiguration& p) {
   v.text("name", p.name, "For people.");
   v.text("text", p.text, "One line for `rigwire list rigs`.");
   v.integer("seed", p.seed, fields::IntegerRule{0},
-            "Of every random stream: same seed, same bytes.");
+            "Seed of every random stream: same seed, same bytes.");
   v.spelled("start", utc_spelling(p.start), "UTC at the start of the run.");
-  v.duration("step", p.step, {10'000, 20'000'000}, "Of the physics.");
+  v.duration("step", p.step, {10'000, 20'000'000}, "Step of the physics.");
   v.duration("slice", p.slice, {10'000, 100'000'000}, "Computed at once; whole steps.");
   v.duration("lead", p.lead, {10'000, 1'000'000'000},
              "How far truth is computed ahead of the clock; at least a slice.");
-  v.section("origin", p.origin, "Of the world frame (x east, y north, z up) on Earth.");
+  v.section("origin", p.origin, "Origin of the world frame (x east, y north, z up) on Earth.");
   v.section("satellites", p.satellites, "Satellites in the sky, for all receivers.");
   v.section("scene", p.scene, "Terrain, rocks, objects.");
   v.required("machine");

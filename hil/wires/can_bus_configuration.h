@@ -90,7 +90,7 @@ inline void visit(fields::Visitor& v, BusConfiguration& p) {
   v.section("socketcand", p.socketcand, "The bus on TCP, beside whatever else carries it.");
   visit(v, p.bus);
   v.choice("order", p.order, emulators::kCanQueueOrders,
-           "Which waiting frame a device sends next.");
+           "Order in which a device sends its waiting frames.");
   v.boolean("one_shot", p.one_shot, "Devices try every frame once only.");
   v.boolean("restarts", p.restarts, "Controllers come back from bus-off by themselves.");
   v.only_if(p.restarts, "restarts", "restarts: true", [&p](fields::Visitor& w) {

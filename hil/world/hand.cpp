@@ -54,7 +54,7 @@ void visit(fields::Visitor& v, HandSettings& p) {
         break;
       case Kind::engine_speed:
         v.number(row.name, row.value, in("rpm").between(0, 10'000),
-                 "Of the engine that drives the pumps, in place of its dial; within idle and "
+                 "Speed of the engine that drives the pumps, in place of its dial; within idle and "
                  "maximum.");
         break;
       case Kind::torque_limit:

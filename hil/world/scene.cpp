@@ -19,7 +19,7 @@ constexpr std::array<fields::Choice<GeoidSource>, 2> kGeoidSources{
     {{GeoidSource::constant, "constant", "One separation over the whole scene."},
      {GeoidSource::egm96, "egm96", "Looked up in a grid at every point."}}};
 constexpr std::array<fields::Choice<sim::GeoidInterpolation>, 2> kGeoidInterpolations{
-    {{sim::GeoidInterpolation::bilinear, "bilinear", "As most programs do."},
+    {{sim::GeoidInterpolation::bilinear, "bilinear", "Bilinear, like most programs."},
      {sim::GeoidInterpolation::bicubic, "bicubic", "Nearer to the model."}}};
 
 }  // namespace

@@ -44,7 +44,7 @@ void visit(fields::Visitor& v, PlacedShape& p) {
   v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse reflectance at 905 nm.");
   v.text("label", p.label, "What the surface is, for recordings.");
   v.number("retro_gain", p.retro_gain, plain().between(0, 1),
-           "Of a retro-reflector; 1 is an ideal one, 0 is none.");
+           "Gain of a retro-reflector; 1 is an ideal one, 0 is none.");
 }
 
 using fields::in;

@@ -356,7 +356,7 @@ void visit(fields::Visitor& v, AllRoundCameraParameters& p) {
   v.integer("width", p.width_px, kPictureSide, "Columns of the joined picture, 360 degrees.");
   v.integer("height", p.height_px, kPictureSide, "Rows of the joined picture.");
   v.number("elevation_upper", p.elevation_upper_rad, in("deg").between(-90, 90),
-           "Of the picture's upper edge; a row is 360 degrees / width high.");
+           "Elevation of the picture's upper edge; a row is 360 degrees / width high.");
   v.only_if(p.method == AllRoundMethod::views, "method", "method: views",
             [&p](fields::Visitor& keys) {
               keys.integer("views", p.views, IntegerRule{3, 12}, "Cameras that share the round.");

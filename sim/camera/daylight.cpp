@@ -67,7 +67,7 @@ void visit(fields::Visitor& v, DaylightParameters& p) {
            "Haze of the clear sky: 2 very clear, 3 clear, 6 hazy.");
   v.number("cloud_cover", p.cloud_cover, plain().between(0, 1), "0 clear, 1 overcast.");
   v.number("ground_albedo", p.ground_albedo, plain().between(0, 1),
-           "Of the ground around the scene, for the light that it sends back.");
+           "Albedo of the ground around the scene, for the light that it sends back.");
 }
 
 void validate(const DaylightParameters& parameters) {

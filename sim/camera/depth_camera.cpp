@@ -248,7 +248,7 @@ void visit(fields::Visitor& v, DepthCameraParameters& p) {
   v.number("farthest", p.farthest_m, in("m").between(0.1, 1000), "Farther there is no range.");
   v.number("unambiguous", p.unambiguous_m, in("m").between(0.1, 10000),
            "Distances beyond fold back by this much.");
-  v.number("step", p.step_m, in("mm").between(0.01, 100), "Of the coding of a range.");
+  v.number("step", p.step_m, in("mm").between(0.01, 100), "Step in which a range is coded.");
   v.number("noise", p.noise_m, in("mm").between(0, 1000),
            "Standard deviation of the range of the reference surface, in the dark.");
   v.number("noise_distance", p.noise_distance_m, in("m").between(0.1, 1000),
@@ -262,12 +262,12 @@ void visit(fields::Visitor& v, DepthCameraParameters& p) {
   v.number("greatest_noise", p.greatest_noise_m, in("mm").between(0.01, 10000),
            "Standard deviation above which there is no range.");
   v.number("doubling_luminance", p.doubling_luminance_cd, plain().between(1e-3, 1e9),
-           "Of a surface in daylight, cd/m2, that doubles the variance at the reference exposure.");
+           "Luminance in daylight, cd/m2, that doubles the variance at the reference exposure.");
   v.number("cyclic_error", p.cyclic_error_m, in("mm").between(0, 1000),
            "Amplitude of the error that repeats with distance.");
   v.number("cycle", p.cycle_m, in("m").between(0.001, 1000), "Distance after which it repeats.");
   v.number("own_luminance", p.own_luminance_cd, plain().between(0, 1e9),
-           "Of the reference surface by the camera's own light, cd/m2, in the image.");
+           "Luminance of the reference surface in the camera's own light, cd/m2, in the image.");
   v.number("daylight_share", p.daylight_share, in("%").between(0, 100),
            "Share of the light of day that comes through the filter into the image.");
 }

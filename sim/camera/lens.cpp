@@ -72,7 +72,8 @@ void visit_offset(fields::Visitor& v, LensParameters& p) {
 
 void visit(fields::Visitor& v, LensParameters& p) {
   v.choice("model", p.model, kLensModels, "How directions become places on the sensor.");
-  v.number("focal_length", p.focal_length_m, in("mm").between(0.01, 1000), "Of the lens.");
+  v.number("focal_length", p.focal_length_m, in("mm").between(0.01, 1000),
+           "Focal length of the lens.");
   if (p.model == LensModel::equirectangular) {
     for (const char* const key : {"k1", "k2", "k3", "image_circle", "vignetting"}) {
       v.refused(key, "equirectangular pictures have none");

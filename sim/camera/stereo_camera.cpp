@@ -254,7 +254,7 @@ void visit(fields::Visitor& v, StereoCameraParameters& p) {
   visit(v, p.camera);
   v.number("baseline", p.baseline_m, in("m").between(0.001, 10), "Between left and right head.");
   v.vector3("misalignment", p.misalignment_rad, in("deg").between(-5, 5),
-            "Of the right head, unknown to the calibration: roll, pitch, yaw.");
+            "Error of the right head, unknown to the calibration: roll, pitch, yaw.");
   v.section("matching", p.matching, "How the pictures become disparities.");
 }
 

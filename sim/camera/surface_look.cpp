@@ -294,7 +294,7 @@ void tint(Shade& shade, const Albedo& colour) {
 
 void visit(fields::Visitor& v, SurfaceLook& p) {
   v.required("label");
-  v.text("label", p.label, "Of the materials that look like this.");
+  v.text("label", p.label, "Label of the materials that look like this.");
   v.choice("kind", p.kind, kKinds, "What the surface is.");
   v.vector3("colour", p.colour, plain().between(0, 1),
             "Albedo red, green, blue; [0, 0, 0] = that of the kind.");

@@ -155,7 +155,7 @@ void visit(fields::Visitor& v, ClutchParameters& p) {
 }
 
 void visit(fields::Visitor& v, AxleParameters& p) {
-  v.choice("drive", p.drive, kAxleDrives, "Which axles the engine turns.");
+  v.choice("drive", p.drive, kAxleDrives, "Axles that the engine turns.");
   v.boolean("front_lock", p.lockable[kFront], "Whether the front differential has a lock.");
   v.boolean("centre_lock", p.lockable[kCentre], "Whether the axles can be coupled.");
   v.boolean("rear_lock", p.lockable[kRear], "Whether the rear differential has a lock.");
@@ -223,7 +223,7 @@ void visit(fields::Visitor& v, CvtParameters& p) {
 }
 
 void visit(fields::Visitor& v, DrivelineParameters& p) {
-  v.variant("type", p, "Which drive line it is.");
+  v.variant("type", p, "Kind of the drive line.");
 }
 
 void validate(const EngineParameters& p) {

@@ -19,7 +19,8 @@ constexpr double kWater_jpkgk = 4186.0;
 
 void visit(fields::Visitor& v, EngineConditionParameters& p) {
   v.number("tank", p.tank_m3, in("l").between(1e-4, 1e5), "Fuel tank's volume.");
-  v.number("fuel_level", p.fuel_level, in("%").between(0, 100), "Of the tank when a run begins.");
+  v.number("fuel_level", p.fuel_level, in("%").between(0, 100),
+           "Fuel in the tank when a run begins.");
   v.number("indicated_efficiency", p.indicated_efficiency, plain().between(0.05, 0.7),
            "Share of the fuel's power that the cylinders make.");
   v.number("coolant_share", p.coolant_share, plain().between(0, 1),

@@ -5,13 +5,14 @@ namespace rigwire::sim {
 using fields::in;
 
 void visit(fields::Visitor& v, DerateFault& p) {
-  v.number("share", p.share, in("%").between(0, 100), "Of the engine's greatest torque.");
+  v.number("share", p.share, in("%").between(0, 100),
+           "Share of the engine's greatest torque that is left.");
   visit_ramp(v, p.ramp);
 }
 
 void visit(fields::Visitor& v, WeakPumpsFault& p) {
   v.number("share", p.share, in("%").between(0, 100),
-           "Of the flow that the pumps deliver at the same speed.");
+           "Share of the flow that the pumps still deliver at the same speed.");
   visit_ramp(v, p.ramp);
 }
 

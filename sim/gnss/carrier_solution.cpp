@@ -61,7 +61,7 @@ constexpr double kByAge_mps = 0.03 / 60.0;  ///< Error of a fixed position per s
 void visit(fields::Visitor& v, CorrectionParameters& p) {
   constexpr fields::NumberRule kMetres = in("m").between(0, 1000);
   constexpr fields::NumberRule kSeconds = in("s").between(0, 86'400);
-  v.choice("kind", p.kind, kCorrectionKinds, "Which corrections arrive.");
+  v.choice("kind", p.kind, kCorrectionKinds, "Corrections that arrive.");
   v.only_if(comes_by_itself(p.kind), "kind", "kind: sbas, service or assumed_rtk",
             [&p, &kSeconds](fields::Visitor& w) {
               w.number("interval", p.interval_s, in("s").between(0.01, 86'400),
@@ -73,7 +73,7 @@ void visit(fields::Visitor& v, CorrectionParameters& p) {
             });
   v.only_if(p.kind == CorrectionKind::sbas, "kind", "kind: sbas", [&p](fields::Visitor& w) {
     w.number("sbas_share", p.sbas_share, plain().between(0, 1),
-             "Of orbit, clock and ionosphere errors that SBAS leaves.");
+             "Share of orbit, clock and ionosphere errors that SBAS leaves.");
   });
   v.only_if(p.kind == CorrectionKind::assumed_rtk, "kind", "kind: assumed_rtk",
             [&p, &kSeconds](fields::Visitor& w) {

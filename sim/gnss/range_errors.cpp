@@ -60,9 +60,10 @@ double over_sine(double elevation_rad) {
 void visit(fields::Visitor& v, RangeErrorParameters& p) {
   constexpr fields::NumberRule kMetres = in("m").between(0, 1000);
   constexpr fields::NumberRule kSeconds = in("s").between(0, 1e6);
-  v.number("broadcast_share", p.broadcast_share, plain().between(0, 1),
-           "Of errors of broadcast orbits, clocks and ionosphere, what this receiver leaves in the "
-           "ranges that it uses.");
+  v.number(
+      "broadcast_share", p.broadcast_share, plain().between(0, 1),
+      "Share of the errors of broadcast orbits, clocks and ionosphere that this receiver leaves "
+      "in the ranges that it uses.");
   v.number("orbit_clock_sigma", p.orbit_clock_sigma_m, kMetres,
            "Standard deviation of broadcast orbits and clocks.");
   v.number("orbit_clock_correlation", p.orbit_clock_correlation_s, kSeconds,

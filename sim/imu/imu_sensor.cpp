@@ -26,7 +26,7 @@ constexpr std::array<fields::Choice<ImuPart>, 5> kImuParts{
      {ImuPart::mti300, "mti300", "Xsens MTi-300."},
      {ImuPart::mti30, "mti30", "Xsens MTi-30."}}};
 constexpr std::array<fields::Choice<ImuAcceleration>, 2> kImuAccelerations{
-    {{ImuAcceleration::solver, "solver", "That of the machine's equations."},
+    {{ImuAcceleration::solver, "solver", "Acceleration by the machine's equations."},
      {ImuAcceleration::velocity_difference, "velocity_difference",
       "The paper's: change of velocity between two samples."}}};
 

@@ -26,17 +26,17 @@ constexpr std::array<fields::Choice<RowRule>, 3> kRowRules{
      {RowRule::hyperbola_half_width, "half_width", "Eq. 4 as printed, b = W / 2."},
      {RowRule::hyperbola_focal, "focal", "Exact: b = f."}}};
 constexpr std::array<fields::Choice<ColumnRule>, 2> kColumnRules{
-    {{ColumnRule::uniform, "uniform", "As if all columns were equally wide in angle."},
+    {{ColumnRule::uniform, "uniform", "All columns count as equally wide in angle."},
      {ColumnRule::resampled, "resampled", "Exact: f tan p."}}};
 constexpr std::array<fields::Choice<ElevationRule>, 2> kElevationRules{
     {{ElevationRule::pixels_per_beam, "pixels_per_beam", "Equal steps of rows."},
      {ElevationRule::sensor_table, "sensor_table", "Exact: each laser's own elevation."}}};
 constexpr std::array<fields::Choice<DepthSampling>, 5> kDepthSamplings{
     {{DepthSampling::nearest, "nearest", "The nearest pixel."},
-     {DepthSampling::bilinear_depth, "bilinear_depth", "Of four depths."},
+     {DepthSampling::bilinear_depth, "bilinear_depth", "Mean of four depths."},
      {DepthSampling::bilinear_inverse_depth, "bilinear_inverse_depth",
-      "Of four 1/z: exact on planes."},
-     {DepthSampling::edge_aware, "edge_aware", "Of 1/z on surfaces, nearest at edges."},
+      "Mean of four 1/z: exact on planes."},
+     {DepthSampling::edge_aware, "edge_aware", "Mean of 1/z on surfaces, nearest pixel at edges."},
      {DepthSampling::tangent_plane, "tangent_plane", "The nearest pixel's plane."}}};
 
 }  // namespace
@@ -62,7 +62,7 @@ void visit(fields::Visitor& v, DepthImageParameters& p) {
             "Virtual cameras around the axis, a sector each.");
   v.number("field_of_view", p.field_of_view_deg,
            in("deg").stored_as("deg").between(0, kWidestView_deg),
-           "Of each camera, horizontally; 0 = just the sector.");
+           "View of each camera, horizontally; 0 = just the sector.");
   v.integer("width", p.width_px, IntegerRule{8, 16384}, "Width of each image in pixels.");
   v.integer("height", p.height_px, IntegerRule{0, 16384},
             "Height of each image in pixels, 8 or more; 0 = as the lasers need.");
@@ -71,9 +71,9 @@ void visit(fields::Visitor& v, DepthImageParameters& p) {
   v.choice("depth", p.depth, kDepthFormats, "What the depth buffer holds.");
   v.number("near_plane", p.near_plane_m, in("m").between(1e-3, 10),
            "Nearest depth that the depth buffer holds.");
-  v.choice("rows", p.rows, kRowRules, "Which row a laser has beside the optical axis.");
-  v.choice("columns", p.columns, kColumnRules, "Which column an azimuth has.");
-  v.choice("elevations", p.elevations, kElevationRules, "Which row a laser has on the axis.");
+  v.choice("rows", p.rows, kRowRules, "Rule for the row of a laser beside the optical axis.");
+  v.choice("columns", p.columns, kColumnRules, "Rule for the column of an azimuth.");
+  v.choice("elevations", p.elevations, kElevationRules, "Rule for the row of a laser on the axis.");
   v.choice("sampling", p.sampling, kDepthSamplings, "How depth is read between pixels.");
   v.integer("parallax_steps", p.parallax_steps, IntegerRule{0, 8},
             "Steps towards where each beam leaves the head; needs the exact rules.");

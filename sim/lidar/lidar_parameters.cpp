@@ -15,7 +15,7 @@ using fields::plain;
 namespace {
 
 constexpr std::array<fields::Choice<RangeNoise>, 3> kRangeNoises{
-    {{RangeNoise::constant, "constant", "The same spread for every echo."},
+    {{RangeNoise::constant, "constant", "Every echo has the same spread."},
      {RangeNoise::signal, "signal", "Spread of faint echoes by the root of their signal."},
      {RangeNoise::jitter, "jitter", "Spread of faint echoes by their signal, as of Velodynes."}}};
 
@@ -50,13 +50,13 @@ void visit(fields::Visitor& v, SpinningLidarParameters& p) {
   v.number("reference_range", p.reference_range_m, in("m").between(0, 1000),
            "Where a 90 % target is just seen, head on in clear air; 0 = maximum range.");
   v.number("air_reference_range", p.air_reference_range_m, in("m").between(0, 1000),
-           "The same range for echoes of rain, fog and dust; 0 = reference_range.");
+           "Reference range for echoes of rain, fog and dust; 0 = reference_range.");
   v.number("air_minimum_range", p.air_minimum_range_m, in("m").between(0, 100),
            "Nearest echo of rain, fog and dust; 0 = that of surfaces.");
   v.number("air_focus_range", p.air_focus_range_m, in("m").between(0, 100),
            "Nearer, the lens images fog and haze wider than the detector; 0 = nowhere.");
   v.number("echo_separation", p.echo_separation_m, in("m").between(0, 100),
-           "Of two echoes nearer than this the weaker one is lost.");
+           "Distance of two echoes below which the weaker one is lost.");
   v.boolean("compensates_incidence", p.compensates_incidence,
             "Reflectivity is that of the surface at normal incidence.");
   v.number("drop_rate", p.drop_rate, in("%").between(0, 100), "Shots that come to nothing.");

@@ -33,7 +33,7 @@ void visit(fields::Visitor& v, OdometryParameters& p) {
            "Rear axle to the reference point.");
   v.number("track", p.track_m, in("m").at_least(0).at_most(100),
            "Left to right wheel; 0 for drums.");
-  v.choice("wheels", p.wheels, kOdometryWheels, "Whose rates give the speed.");
+  v.choice("wheels", p.wheels, kOdometryWheels, "Wheels whose rates give the speed.");
 }
 
 void validate(const OdometryParameters& p) {

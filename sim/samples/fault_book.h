@@ -98,7 +98,7 @@ template <class Fault>
 void visit_fault(fields::Visitor& v, Fault& p) {
   visit(v, p.when);
   v.required("type");
-  v.variant("type", p.what, "Which fault it is.");
+  v.variant("type", p.what, "Kind of the fault.");
 }
 
 template <class Fault>

@@ -242,7 +242,7 @@ void visit(fields::Visitor& v, Forest& p) {
   v.vector2("centre", p.centre_m, in("m").between(-4000, 4000), "[east, north] of the rectangle.");
   v.vector2("half_lengths", p.half_lengths_m, in("m").between(0.5, 4000),
             "[east, north] from the centre to the rectangle's edges.");
-  v.list("species", p.species, "Which trees.");
+  v.list("species", p.species, "Species of the trees.");
   v.integer("variants", p.variants, IntegerRule{1, 100}, "Models of each species.");
   v.choice("leaf_model", p.leaf_model, kLeafModels, "How leaves are modelled.");
   v.number("track_distance", p.track_distance_m, in("m").between(0, 1000),

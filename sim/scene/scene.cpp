@@ -108,7 +108,7 @@ void visit(fields::Visitor& v, Material& p) {
   v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse reflectance at 905 nm.");
   v.text("label", p.label, "What the surface is, for recordings.");
   v.number("retro_gain", p.retro_gain, plain().between(0, 1),
-           "Of a retro-reflector; 1 is an ideal one, 0 is none.");
+           "Gain of a retro-reflector; 1 is an ideal one, 0 is none.");
   v.number("variation", p.variation, plain().between(0, 1),
            "Spread of the reflectance over the surface, of things that do not move.");
   v.boolean("foliage", p.foliage, "Leaves in a closed surface: radio signals pass, weakened.");

@@ -52,9 +52,9 @@ class UsbPassThroughDevice final : public Device {
 };
 
 /// A real USB device of this machine as a device of the rig: opened by libusb, exported by the
-/// rig's
+/// rig's USB/IP server.
 struct UsbPassThroughConfiguration final : DeviceConfigurationOf<UsbPassThroughConfiguration> {
-  std::string device;  ///< See drivers/usb_selector.h.
+  std::string device;  ///< Text of a UsbSelector (drivers/usb_host.h).
 
   void visit(fields::Visitor& v) override {
     v.required("device");

@@ -31,7 +31,7 @@
 // Strength of an obstacle: Obstacle::strength_nm, a moment about its foot. Where the sum of the
 // points' horizontal forces times their heights would exceed it, the obstacle yields: it leans away
 // from the push about its foot, at constant moment up to 0.1 rad, then at one that falls to zero at
-// 0.4 rad; from there on it is down and has no contact (contact.md 7; estimates). A falling tree
+// 0.4 rad; from there on it is down and has no contact (estimates). A falling tree
 // turns about its foot like a rod until its trunk hits the ground. It is solid again, lying, as
 // soon as no part of the machine is within a tenth of a metre of it.
 //

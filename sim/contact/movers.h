@@ -12,7 +12,7 @@
 //
 // so that both feel the same force and no stiffness asks for a smaller step. Afterwards the other
 // is given the opposite impulse. Exact for one point; n points of a pair count w n times, which is
-// exact where they share alike and errs towards a softer push elsewhere (contact.md 5).
+// exact where they share alike and errs towards a softer push elsewhere.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -25,8 +25,8 @@ Ground slope(double degrees, const SoilParameters& soil = {}) {
 
 class SlipDisturbance : public testing::TestWithParam<std::tuple<double, double>> {};
 
-// dynamics.md 2.4: a wheel that turns 0.3 m/s too fast settles at every speed and step; explicit
-// slip laws and clamping before the solve change the sign of the slip at each step, for ever.
+// A wheel that turns 0.3 m/s too fast settles at every speed and step; explicit slip laws and
+// clamping before the solve change the sign of the slip at each step, for ever.
 TEST_P(SlipDisturbance, SettlesWithoutHum) {
   const auto [speed, h] = GetParam();
   const Ground ground = slope(0.0);

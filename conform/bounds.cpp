@@ -23,6 +23,7 @@ class LineMeter {
   /// Whether a question that ends at `deadline` may wait, or still take what has waited.
   [[nodiscard]] bool may_take(Bounds::Instant now, Bounds::Instant deadline) {
     bounds_->check(now);
+    entered_ = now;
     if (now <= deadline) {
       return true;
     }
@@ -34,6 +35,7 @@ class LineMeter {
   }
 
   void took(std::size_t cost, Bounds::Instant now, Bounds::Instant deadline) {
+    bounds_->returned_late(now - std::max(entered_, deadline));
     if (case_ != bounds_->current_case()) {
       case_ = bounds_->current_case();
       taken_ = 0;
@@ -53,8 +55,9 @@ class LineMeter {
  private:
   std::shared_ptr<Bounds> bounds_;
   LineLimits limits_;
-  std::size_t taken_ = 0;   ///< Since the last question, or the begin of the case.
-  std::size_t behind_ = 0;  ///< Behind this deadline.
+  Bounds::Instant entered_;  ///< When the question that is being asked began to wait.
+  std::size_t taken_ = 0;    ///< Since the last question, or the begin of the case.
+  std::size_t behind_ = 0;   ///< Behind this deadline.
   std::optional<Bounds::Instant> behind_which_;
   std::uint64_t case_ = 0;
 };
@@ -166,6 +169,22 @@ std::string Bounds::text() const {
   return "the suite's limit of " +
          std::to_string(std::chrono::duration_cast<std::chrono::seconds>(limit_).count()) +
          " s has passed";
+}
+
+bool proves_nothing(const CaseResult& result, const Bounds& bounds) {
+  const bool passed = result.verdict != Verdict::fail && result.verdict != Verdict::lenient;
+  return !passed && bounds.held_up() > kHeldUp;
+}
+
+void note_tries(CaseResult& result, int tries, std::chrono::nanoseconds held_up) {
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(held_up).count();
+  result.steps.insert(result.steps.begin(),
+                      Step{.kind = Step::Kind::note,
+                           .at = {},
+                           .bytes = {},
+                           .words = "try " + std::to_string(tries + 1) +
+                                    ": in the one before this machine held the suite up for " +
+                                    std::to_string(ms) + " ms"});
 }
 
 std::unique_ptr<ByteLine> bounded(std::unique_ptr<ByteLine> line, std::shared_ptr<Bounds> bounds) {

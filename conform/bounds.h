@@ -8,10 +8,14 @@
 //     system's queue, since this machine may have been slow, and never more than that queue holds.
 //   - What comes between one question and the next has a limit; beyond it the case ends, and fails
 //     (TooMuch).
+//   - Where this machine woke the suite up late, a case that did not pass is tried again
+//   (try_case):
+//     a device's time-out that expired meanwhile says nothing about the device.
 //   - Behind the suite's limit no case begins. The case that runs then has kGrace to end and to put
 //     back what it changed; then it is cut off (TimeIsUp).
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -64,9 +68,16 @@ class Bounds {
   /// Starts the suite's time; the lines' clock starts with the next check().
   void begin();
   /// Starts a case: what came before is not counted against it.
-  void begin_case() { ++case_; }
+  void begin_case() {
+    ++case_;
+    held_up_ = {};
+  }
   /// Number of the case, from 0.
   [[nodiscard]] std::uint64_t current_case() const { return case_; }
+  /// Takes how long after its deadline a question returned.
+  void returned_late(std::chrono::nanoseconds late) { held_up_ = std::max(held_up_, late); }
+  /// Longest of these delays in the current case.
+  [[nodiscard]] std::chrono::nanoseconds held_up() const { return held_up_; }
   /// Checks with `now` of a line's clock. Throws TimeIsUp when limit and kGrace have passed.
   void check(Instant now);
   /// Checks by this machine's clock alone, before a line is open. Throws TimeIsUp as above.
@@ -84,6 +95,7 @@ class Bounds {
   std::optional<Instant> line_begin_;
   std::chrono::nanoseconds line_elapsed_{};
   std::uint64_t case_ = 0;
+  std::chrono::nanoseconds held_up_{};
 };
 
 /// What may come over a line between two questions, as costs: its bytes, and kItem_bytes for each
@@ -114,14 +126,10 @@ inline constexpr std::chrono::milliseconds kDrain{500};
 /// The result of a case that did not begin.
 [[nodiscard]] CaseResult not_reached(const CaseIdentity& identity, const Bounds& bounds);
 
-/// Tries a case within the bounds. `make` returns its trial, and `run` is given it. What is lost or
-/// too much is in the result; nothing of it is thrown.
+/// Tries a case once within the bounds (try_case).
 template <class Make, class Run>
-[[nodiscard]] CaseResult try_case(const CaseIdentity& identity, Bounds& bounds, const Make& make,
+[[nodiscard]] CaseResult try_once(const CaseIdentity& identity, Bounds& bounds, const Make& make,
                                   const Run& run) {
-  if (bounds.passed()) {
-    return not_reached(identity, bounds);
-  }
   bounds.begin_case();
   try {
     auto trial = make();
@@ -142,6 +150,35 @@ template <class Make, class Run>
   } catch (const TimeIsUp&) {
     return not_reached(identity, bounds);
   }
+}
+
+/// A suite that woke up this much after a deadline was held up by its machine.
+inline constexpr std::chrono::milliseconds kHeldUp{40};
+/// How often a case is tried at most.
+inline constexpr int kMaxTries = 3;
+
+/// Whether the case did not pass in a try in which the suite was held up.
+[[nodiscard]] bool proves_nothing(const CaseResult& result, const Bounds& bounds);
+/// Adds to the result, at its begin, that the tries before it proved nothing.
+void note_tries(CaseResult& result, int tries, std::chrono::nanoseconds held_up);
+
+/// Tries a case within the bounds. `make` returns its trial, and `run` is given it. What is lost or
+/// too much is in the result; nothing of it is thrown. A try that proves nothing is followed by
+/// another one, as long as the bounds and kMaxTries allow.
+template <class Make, class Run>
+[[nodiscard]] CaseResult try_case(const CaseIdentity& identity, Bounds& bounds, const Make& make,
+                                  const Run& run) {
+  if (bounds.passed()) {
+    return not_reached(identity, bounds);
+  }
+  CaseResult result = try_once(identity, bounds, make, run);
+  for (int tries = 1; tries < kMaxTries && !bounds.passed() && proves_nothing(result, bounds);
+       ++tries) {
+    const auto held_up = bounds.held_up();
+    result = try_once(identity, bounds, make, run);
+    note_tries(result, tries, held_up);
+  }
+  return result;
 }
 
 /// Does what comes before a suite's first case. A limit that is reached there is found by the

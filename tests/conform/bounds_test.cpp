@@ -172,6 +172,59 @@ TEST(Bounds, AFloodFailsItsCaseAndNotTheNext) {
   EXPECT_EQ(next.verdict, Verdict::pass);
 }
 
+/// A silent line whose machine wakes the suite up late after a deadline.
+class LateBytes final : public ByteLine {
+ public:
+  explicit LateBytes(std::deque<milliseconds> late) : late_(std::move(late)) {}
+
+  bool send(std::span<const std::uint8_t> /*bytes*/) override { return true; }
+  bool receive(Octets& /*bytes*/, Clock::time_point deadline) override {
+    now_ = std::max(now_, deadline) + late_.front();
+    late_.pop_front();
+    return false;
+  }
+  [[nodiscard]] bool closed() const override { return false; }
+  [[nodiscard]] Clock::time_point now() const override { return now_; }
+
+ private:
+  std::deque<milliseconds> late_;
+  Instant now_{seconds{1000}};
+};
+
+/// A case that asks once and gets no answer, on a machine that is that late in its tries.
+CaseResult unanswered(const std::deque<milliseconds>& late, std::size_t& tries) {
+  const auto bounds = std::make_shared<Bounds>();
+  const auto line = bounded(std::make_unique<LateBytes>(late), bounds);
+  const CaseIdentity identity{"suite/1/1", "", "", Strength::must, Danger::none};
+  return try_case(
+      identity, *bounds, [&] { return Trial(identity, [&] { return line->now(); }); },
+      [&](Trial& trial) {
+        ++tries;
+        Octets bytes;
+        trial.expect(line->receive(bytes, line->now() + milliseconds{100}), "an answer", "none");
+      });
+}
+
+TEST(Bounds, ACaseThatFailsWhileThisMachineIsLateIsTriedAgain) {
+  std::size_t tries = 0;
+  const CaseResult again = unanswered({milliseconds{150}, milliseconds{2}}, tries);
+  EXPECT_EQ(tries, 2U);
+  EXPECT_EQ(again.verdict, Verdict::fail) << "the second try was in time";
+  ASSERT_FALSE(again.steps.empty());
+  EXPECT_EQ(again.steps.front().words,
+            "try 2: in the one before this machine held the suite up for 150 ms");
+}
+
+TEST(Bounds, ACaseThatFailsInTimeOrTooOftenIsNotTriedAgain) {
+  std::size_t tries = 0;
+  EXPECT_EQ(unanswered({milliseconds{2}}, tries).verdict, Verdict::fail);
+  EXPECT_EQ(tries, 1U);
+  tries = 0;
+  const milliseconds late{150};
+  EXPECT_EQ(unanswered({late, late, late, late}, tries).verdict, Verdict::fail);
+  EXPECT_EQ(tries, 3U);
+}
+
 TEST(Trial, KeepsABoundedPartOfWhatCame) {
   Trial trial({"suite/1/1", "", "", Strength::must, Danger::none});
   const Octets much(1U << 20U);

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace rigwire::dig_cycle {
 namespace {
 
 /// Slower than this is standing, whatever the rate's offset.
 constexpr double kStill_radps = 0.03;
-constexpr int kStillSamples = 20;
 /// Faster than this the swing's centripetal acceleration (7 degrees at 0.5 rad/s and 5 m) spoils
 /// the vertical; a swing is short enough for the rates alone.
 constexpr double kSwinging_radps = 0.1;
@@ -19,7 +19,13 @@ constexpr double kGravity_mps2 = 9.80665;
 
 Inclination::Inclination(const InclinationSettings& settings) : settings_(settings) {}
 
-void Inclination::rate(double pitch_rate_radps, double step_s) {
+// In the first rest the offset is the mean rate. Later the angle against gravity shows it, so that
+// a link that creeps is not taken for one with an offset.
+void Inclination::rate(double pitch_rate_radps, bool quiet, double step_s) {
+  if (quiet && first_rest_s_ < settings_.first_rest_s) {
+    first_rest_s_ += step_s;
+    learn((pitch_rate_radps - offset_radps_) * step_s / first_rest_s_);
+  }
   pitch_rate_radps_ = pitch_rate_radps - offset_radps_;
   if (ready_) {
     pitch_rad_ = wrapped(pitch_rad_ + pitch_rate_radps_ * step_s);
@@ -38,15 +44,28 @@ void Inclination::specific_force(double along_mps2, double up_mps2, bool quiet, 
     return;
   }
   const double error_rad = wrapped(apparent_rad - pitch_rad_);
-  const double time_constant_s =
-      quiet ? settings_.quiet_time_constant_s : settings_.moving_time_constant_s;
-  pitch_rad_ = wrapped(pitch_rad_ + error_rad * std::min(1.0, step_s / time_constant_s));
-  if (quiet) {
-    const double change_radps =
-        error_rad / settings_.quiet_time_constant_s * step_s / settings_.offset_time_constant_s;
-    offset_radps_ = std::clamp(offset_radps_ - change_radps, -settings_.largest_offset_radps,
-                               settings_.largest_offset_radps);
+  if (!quiet) {
+    waiting_ = 0;
+    pitch_rad_ =
+        wrapped(pitch_rad_ + error_rad * std::min(1.0, step_s / settings_.moving_time_constant_s));
+    return;
   }
+  // A link that starts to move accelerates before it has a rate: at rest an error counts only when
+  // the link is still at rest kStillSamples later.
+  const double settled_rad = std::exchange(errors_rad_[next_], error_rad);
+  next_ = (next_ + 1) % errors_rad_.size();
+  if (waiting_ < errors_rad_.size()) {
+    ++waiting_;
+    return;
+  }
+  const double share = std::min(1.0, step_s / settings_.quiet_time_constant_s);
+  pitch_rad_ = wrapped(pitch_rad_ + settled_rad * share);
+  learn(-settled_rad * share / settings_.offset_time_constant_s);
+}
+
+void Inclination::learn(double change_radps) {
+  offset_radps_ = std::clamp(offset_radps_ + change_radps, -settings_.largest_offset_radps,
+                             settings_.largest_offset_radps);
 }
 
 Estimator::Estimator(double imu_period_s, const InclinationSettings& settings)
@@ -55,9 +74,10 @@ Estimator::Estimator(double imu_period_s, const InclinationSettings& settings)
              Inclination(settings)} {}
 
 void Estimator::imu_rate(Link link, double pitch_rate_radps) {
-  links_[link].rate(pitch_rate_radps, imu_period_s_);
-  const bool still = std::abs(links_[link].pitch_rate_radps()) < kStill_radps;
-  still_samples_[link] = still ? std::min(still_samples_[link] + 1, kStillSamples) : 0;
+  const bool still = std::abs(pitch_rate_radps - links_[link].rate_offset_radps()) < kStill_radps;
+  still_samples_[link] =
+      still ? std::min(still_samples_[link] + 1, static_cast<int>(kStillSamples)) : 0;
+  links_[link].rate(pitch_rate_radps, quiet(), imu_period_s_);
 }
 
 void Estimator::imu_specific_force(Link link, double along_mps2, double up_mps2) {
@@ -76,13 +96,15 @@ void Estimator::swing(double angle_rad, double rate_radps) {
 bool Estimator::quiet() const {
   return std::abs(swing_rate_radps_) < kStill_radps &&
          std::all_of(still_samples_.begin(), still_samples_.end(),
-                     [](int samples) { return samples >= kStillSamples; });
+                     [](int samples) { return samples >= static_cast<int>(kStillSamples); });
 }
 
 Belief Estimator::belief() const {
   Belief belief;
   belief.ready = swing_known_ && std::all_of(links_.begin(), links_.end(),
                                              [](const Inclination& link) { return link.ready(); });
+  belief.rested = std::all_of(links_.begin(), links_.end(),
+                              [](const Inclination& link) { return link.rested(); });
   belief.chassis_pitch_rad = links_[chassis_link].pitch_rad();
   belief.angles_rad[dig_cycle::swing] = swing_rad_;
   belief.rates_radps[dig_cycle::swing] = swing_rate_radps_;

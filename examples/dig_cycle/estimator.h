@@ -10,11 +10,15 @@
 
 namespace rigwire::dig_cycle {
 
+/// A link is at rest after so many samples without a rate.
+inline constexpr std::size_t kStillSamples = 20;
+
 struct InclinationSettings {
   double quiet_time_constant_s = 0.5;
-  double moving_time_constant_s = 8.0;
-  double offset_time_constant_s = 10.0;         ///< Learning of the rate's offset, quiet only.
-  double largest_offset_radps = 0.02;           ///< Beyond it is motion, not offset.
+  double moving_time_constant_s = 20.0;
+  double first_rest_s = 2.0;  ///< Length of the rest that tells the rate's offset at once.
+  double offset_time_constant_s = 10.0;  ///< Learning of the rate's offset later, quiet only.
+  double largest_offset_radps = 0.02;    ///< Beyond it is motion, not offset.
   double largest_gravity_deviation_mps2 = 1.5;  ///< Specific force beyond g +- this is not used.
 };
 
@@ -33,13 +37,15 @@ class Inclination {
  public:
   explicit Inclination(const InclinationSettings& settings = {});
 
-  /// Takes one rate sample, nose up positive, for the last `step_s`.
-  void rate(double pitch_rate_radps, double step_s);
+  /// Takes one rate sample, nose up positive, for the last `step_s`; `quiet`: nothing moves.
+  void rate(double pitch_rate_radps, bool quiet, double step_s);
   /// Takes one acceleration sample: specific force along the link and square to it, upwards at
   /// rest.
   void specific_force(double along_mps2, double up_mps2, bool quiet, double step_s);
 
   [[nodiscard]] bool ready() const { return ready_; }
+  /// Whether the first rest is over, so that the rate's offset is known.
+  [[nodiscard]] bool rested() const { return first_rest_s_ >= settings_.first_rest_s; }
   /// Pitch of the link against the horizontal, (-pi, pi], nose up positive. 0 until ready.
   [[nodiscard]] double pitch_rad() const { return pitch_rad_; }
   /// The last rate with the learnt offset taken off.
@@ -47,10 +53,17 @@ class Inclination {
   [[nodiscard]] double rate_offset_radps() const { return offset_radps_; }
 
  private:
+  /// Changes the rate's offset, within its limit.
+  void learn(double change_radps);
+
   InclinationSettings settings_;
   double pitch_rad_ = 0.0;
   double pitch_rate_radps_ = 0.0;
   double offset_radps_ = 0.0;
+  std::array<double, kStillSamples> errors_rad_{};  ///< Against gravity, at rest, the last ones.
+  std::size_t next_ = 0;                            ///< Element that is written next.
+  std::size_t waiting_ = 0;                         ///< Number of them from this rest.
+  double first_rest_s_ = 0.0;                       ///< Time of the first rest so far.
   bool ready_ = false;
 };
 
@@ -62,7 +75,8 @@ struct Belief {
   PerJoint angles_rad{};
   PerJoint rates_radps{};
   double chassis_pitch_rad = 0.0;
-  bool ready = false;  ///< Every sensor has sent data.
+  bool ready = false;   ///< Every sensor has sent data.
+  bool rested = false;  ///< Every inertial sensor was at rest for long enough to know its offset.
 };
 
 class Estimator {

@@ -113,12 +113,14 @@ void Program::control() {
       say(what + "; holding");
       state_ = State::holding;
     }
-  } else if (watch_.all_alive(watched_) && estimator_.belief().ready) {
+  } else if (const Belief belief = estimator_.belief();
+             watch_.all_alive(watched_) && belief.ready && belief.rested) {
     say("all sensors alive; working");
     cycle_.hold();
     state_ = State::working;
   } else if (ticks_ % (2 * kTicksPerSecond) == 0) {
-    say("waiting for " + watch_.absent(watched_) +
+    const std::string absent = watch_.absent(watched_);
+    say("waiting for " + (absent.empty() ? "the machine to rest" : absent) +
         (valves_.error().empty() ? "" : " (valves: " + valves_.error() + ")"));
   }
   work(step_s);

@@ -97,6 +97,21 @@ TEST(DigCycleEstimator, AccelerationOfTheMotionHardlyTiltsTheVertical) {
   EXPECT_GT(std::abs(std::atan2(1.0, kGravity_mps2)), 5.0 * kDegree);
 }
 
+// The acceleration of a boom that drops shows before its rate does.
+TEST(DigCycleEstimator, TheJerkOfAStartDoesNotTiltTheVertical) {
+  Rig rig;
+  rig.estimator.swing(0.0, 0.0);
+  rig.run(3.0);
+  rig.sideways_mps2 = 4.0;
+  rig.run(0.03);
+  rig.rate_radps[boom_link] = -0.5;
+  rig.run(0.1);
+  rig.sideways_mps2 = 0.0;
+  rig.run(1.0);
+  const double error_rad = rig.estimator.belief().angles_rad[boom] - rig.pitch_rad[boom_link];
+  EXPECT_LT(std::abs(error_rad), 0.1 * kDegree);
+}
+
 TEST(DigCycleEstimator, ShockIsNotTakenForGravity) {
   Rig rig;
   rig.estimator.swing(0.0, 0.0);
@@ -117,6 +132,23 @@ TEST(DigCycleEstimator, LearnsTheRateOffsetAtRestAndKeepsTheAngleDuringASwing) {
               0.01 * kDegree);
   // Ten seconds of swinging, when gravity hardly counts.
   rig.estimator.swing(0.0, 0.5);
+  rig.run(10.0);
+  EXPECT_NEAR(rig.estimator.belief().angles_rad[boom], 0.0, 0.1 * kDegree);
+}
+
+// Inertial sensors of this class have offsets of some 0.1 deg/s: over the 8 s with which gravity
+// counts in motion, that is a degree.
+TEST(DigCycleEstimator, TheFirstRestTellsTheRateOffset) {
+  Rig rig;
+  rig.rate_offset_radps = {-0.1 * kDegree, 0.2 * kDegree, 0.0, 0.0};
+  rig.estimator.swing(0.0, 0.0);
+  rig.run(1.0);
+  EXPECT_FALSE(rig.estimator.belief().rested);
+  rig.run(1.5);
+  EXPECT_TRUE(rig.estimator.belief().rested);
+  EXPECT_NEAR(rig.estimator.inclination(chassis_link).rate_offset_radps(), -0.1 * kDegree,
+              0.01 * kDegree);
+  rig.rate_radps[bucket_link] = 0.2;  // Something moves: gravity hardly counts.
   rig.run(10.0);
   EXPECT_NEAR(rig.estimator.belief().angles_rad[boom], 0.0, 0.1 * kDegree);
 }

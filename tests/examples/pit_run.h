@@ -6,16 +6,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "dig_cycle/cycle.h"
 #include "dig_cycle/surroundings.h"
 #include "hil/rig/rig.h"
 #include "hil/rig/rig_configuration.h"
+#include "sim/samples/time.h"
 
 namespace rigwire::dig_cycle {
 
@@ -53,17 +57,32 @@ class PitRun {
   [[nodiscard]] double most_contact_n() const { return most_contact_n_; }
   [[nodiscard]] sim::Machine& machine() { return world_.machine(); }
 
+  /// Adds a sensor of the test's own, which measures with that period from the start on.
+  void attach(std::unique_ptr<hil::WorldSensor> sensor, hil::StationIndex station, Duration period) {
+    world_.add(std::move(sensor));
+    requests_.of<SamplePlan>(station).push_back({kStart, period});
+  }
+  /// Is called with every slice of the world, 2 ms.
+  std::function<void(const hil::SampleBatch&)> on_slice = [](const hil::SampleBatch&) {};
+
+  /// Lets that time pass without the program: the valves keep their last command.
+  void wait(double span_s) {
+    hil::SampleBatch batch;
+    for (double done_s = 0.0; done_s < span_s - 1e-6; done_s += 0.002) {
+      if (const auto fault = world_.advance(requests_, batch)) {
+        throw std::runtime_error(*fault);
+      }
+      requests_.clear();
+      on_slice(batch);
+    }
+  }
+
   void tick() {
     sim::Machine& machine = world_.machine();
     ValveCommand command;
     std::copy_n(output_.openings.begin(), kJoints, command.opening.begin());
     machine.valve_port()->command(command);
-    hil::SampleBatch batch;
-    for (double done_s = 0.0; done_s < kControl_s - 1e-6; done_s += 0.002) {
-      if (const auto fault = world_.advance({}, batch)) {
-        throw std::runtime_error(*fault);
-      }
-    }
+    wait(kControl_s);
     if (const sim::ContactReport* report = machine.contact_report(); report && report->obstacle) {
       most_contact_n_ = std::max(most_contact_n_, report->force_n);
     }
@@ -123,6 +142,7 @@ class PitRun {
   }
 
   hil::SimulatedWorld world_;
+  hil::TruthRequests requests_;  ///< Taken with the next slice.
   Cycle cycle_;
   Surroundings surroundings_;
   Belief belief_;

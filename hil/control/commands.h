@@ -106,8 +106,7 @@ struct SetCommand {
   static constexpr fields::Named kNamed{
       "set",
       "Overrides set points of the machine, or releases them; sets rain, snow or fog; or changes "
-      "settings of a device, as its own configuration software would."
-      "configuration software would."};
+      "settings of a device, as its own configuration software would."};
 
   std::string on = "machine";  ///< Or "air", or a device.
   std::string set;             ///< "{boom: 0.5, swing: null}"; null releases. "{rate: 5 Hz}"

@@ -1,14 +1,13 @@
 #!/usr/bin/env bash
 # Checks the subjects of the commits after BASE, merges aside: "area: verb object", at most 72
-# characters, no full stop at the end. An area is one or two words in lower case ("can", "gige,
-# j1939", "command line"). The verb is imperative: it does not end as "added", "adding" or "adds" do.
+# characters, no full stop at the end. There is one area, of one or two words in lower case ("can",
+# "command line"). The verb is imperative: it does not end as "added", "adding" or "adds" do.
 #
 #   scripts/check-commit-subjects.sh BASE    in the repository of the working directory
 set -euo pipefail
 export LC_ALL=C.UTF-8 # characters, not bytes, are counted
 
-name='[a-z0-9_./-]+( [a-z0-9_./-]+)?'
-areas="^$name(, $name)*: "
+area='^[a-z0-9_./-]+( [a-z0-9_./-]+)?: '
 # Imperatives that end like other forms.
 imperatives=' embed exceed feed need proceed seed shed speed bring ping ring sing string swing wing alias bias focus '
 
@@ -16,8 +15,8 @@ fault() { # fault SUBJECT: what is wrong with it, nothing when it is right
   local verb
   if [ ${#1} -gt 72 ]; then
     echo "has ${#1} characters, allowed 72"
-  elif [[ ! $1 =~ $areas ]]; then
-    echo 'is not "area: verb object" with the area in lower case'
+  elif [[ ! $1 =~ $area ]]; then
+    echo 'is not "area: verb object" with one area in lower case'
   elif [[ $1 == *. ]]; then
     echo "ends with a full stop"
   else

@@ -2,8 +2,8 @@
 // fetched by their names ("rigwire:mesh/3", "rigwire:terrain/0/2/5/7").
 //
 // Terrain is cut into tiles; a tile that was dug gets a new name, and viewers fetch its new state.
-// Of leaves that a scene models one by one, each part shows kMostLeaves triangles at most, evenly
-// chosen: what is drawn is thinner than what rays hit.
+// Each part shows at most kMostLeaves triangles of leaves that a scene models one by one, evenly
+// chosen: the foliage that is drawn is thinner than the one that rays hit.
 //
 // Plain data: no thread of its own, no I/O.
 #pragma once

@@ -100,7 +100,7 @@ class LidarTruthObserver {
 struct CameraTruthRecord {
   std::uint64_t exposure = 0;  ///< Number of the camera's exposure, from 0; skipped ones count.
   std::shared_ptr<const Picture> picture;
-  sim::CameraTruth truth;  ///< Of the picture's first part.
+  sim::CameraTruth truth;  ///< Truth of the picture's first part.
 };
 
 class CameraTruthObserver {

@@ -6,7 +6,7 @@
 //   offset 1204, 1205  factory bytes: return mode, product id (HDL-64E: status type and value,
 //                      status_channel.h)
 //
-// Which laser is where: packet_layout.h.
+// The order of the lasers in a block: packet_layout.h.
 //
 // Sources: HDL-32E user's manual 63-9113 Rev. H, "Packet format"; VLP-16 user's manual 63-9243
 // Rev. D, section 9.3 (factory bytes). Units older than firmware 2.2.20.0 send both factory bytes

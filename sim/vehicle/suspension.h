@@ -78,7 +78,7 @@ class AxleSuspension {
   }
   [[nodiscard]] const WheelFrame& wheel(std::size_t side) const { return wheels_[side]; }
   /// The axle's own link as a part that carries no wheel: hub_m is its origin, its axis of spin 0.
-  /// Of independent wheels the middle between them, which does not turn against the body.
+  /// With independent wheels it is the middle between them, which does not turn against the body.
   [[nodiscard]] WheelFrame carrier() const;
   /// Its axes in B.
   [[nodiscard]] Eigen::Matrix3d R_BA() const {

@@ -221,13 +221,14 @@ TEST_F(GigeCameraPrograms, gstreamer_and_opencv_read_pictures) {
   std::filesystem::permissions(scratch_.folder, std::filesystem::perms::all);
   ::setenv("GST_REGISTRY", (scratch_.folder / "registry.bin").c_str(), 1);
   const auto png = scratch_.folder / "picture.png";
-  // The source ends its stream when no picture has come for two seconds, which a busy host may
-  // need.
+  // The source ends its stream when no picture has come for two seconds. A busy host takes that
+  // long for a whole picture: both programs take a part of it.
   std::string said;
   ASSERT_TRUE(eventually([&] {
     ChildProcess launch(
-        unprivileged({"gst-launch-1.0", "aravissrc", "camera-name=" + address, "num-buffers=2", "!",
-                      "video/x-raw,format=GRAY8,width=640,height=480", "!", "videoconvert", "!",
+        unprivileged({"gst-launch-1.0", "aravissrc", "camera-name=" + address, "num-buffers=2",
+                      "offset-x=240", "offset-y=240", "!",
+                      "video/x-raw,format=GRAY8,width=160,height=120", "!", "videoconvert", "!",
                       "pngenc", "snapshot=true", "!", "filesink", "location=" + png.string()}),
         scratch_.folder / "launch.log");
     const bool ended_well = launch.wait() == 0;
@@ -235,17 +236,18 @@ TEST_F(GigeCameraPrograms, gstreamer_and_opencv_read_pictures) {
     return ended_well;
   })) << said;
   ASSERT_TRUE(std::filesystem::exists(png));
-  EXPECT_GT(std::filesystem::file_size(png), 20'000U);
+  EXPECT_GT(std::filesystem::file_size(png), 2000U);
 
   const auto script = scratch_.folder / "read.py";
   std::ofstream(script) << R"(
 import sys, cv2
 still = cv2.imread(sys.argv[2], cv2.IMREAD_GRAYSCALE)
-assert still.shape == (480, 640)
+assert still.shape == (120, 160)
 assert still.std() > 5, 'nothing to see'
 for attempt in range(10):
     stream = cv2.VideoCapture('aravissrc camera-name=' + sys.argv[1] +
-                              ' ! video/x-raw,format=GRAY8,width=640,height=480 ! appsink',
+                              ' offset-x=240 offset-y=240 ! '
+                              'video/x-raw,format=GRAY8,width=160,height=120 ! appsink',
                               cv2.CAP_GSTREAMER)
     came = 0
     while came < 5 and stream.isOpened():
@@ -253,7 +255,7 @@ for attempt in range(10):
         if not ok:
             break
         picture = next_picture
-        assert picture.shape[:2] == (480, 640)
+        assert picture.shape[:2] == (120, 160)
         came += 1
     stream.release()
     if came == 5:

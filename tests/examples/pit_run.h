@@ -58,7 +58,8 @@ class PitRun {
   [[nodiscard]] sim::Machine& machine() { return world_.machine(); }
 
   /// Adds a sensor of the test's own, which measures with that period from the start on.
-  void attach(std::unique_ptr<hil::WorldSensor> sensor, hil::StationIndex station, Duration period) {
+  void attach(std::unique_ptr<hil::WorldSensor> sensor, hil::StationIndex station,
+              Duration period) {
     world_.add(std::move(sensor));
     requests_.of<SamplePlan>(station).push_back({kStart, period});
   }

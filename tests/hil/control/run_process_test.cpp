@@ -22,6 +22,7 @@
 
 #include "child_process.h"
 #include "drivers/descriptor.h"
+#include "file_text.h"
 #include "screen.h"
 
 namespace rigwire {
@@ -31,15 +32,11 @@ using namespace std::chrono_literals;
 using drivers::Descriptor;
 using test::ChildProcess;
 using test::eventually;
+using test::text_of;
 using testing::HasSubstr;
 using testing::Not;
 
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class RunProcess : public testing::Test {
  protected:

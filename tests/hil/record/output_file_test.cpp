@@ -14,20 +14,17 @@
 #include <vector>
 
 #include "drivers/endpoints.h"
+#include "file_text.h"
 
 namespace rigwire::hil {
 namespace {
 
 namespace fs = std::filesystem;
 using drivers::Descriptor;
+using test::text_of;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class OutputFile : public testing::Test {
  protected:

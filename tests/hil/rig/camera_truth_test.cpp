@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "camera_rig.h"
+#include "file_text.h"
 #include "hil/configuration/problems.h"
 #include "hil/files/image_file.h"
 #include "hil/record/camera_truth_tap.h"
@@ -22,15 +23,11 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using nlohmann::json;
+using test::text_of;
 using testing::HasSubstr;
 
 constexpr const char* kSmall =
     "    sensor: {lens: {focal_length: 0.5 mm}, image_sensor: {width: 160, height: 120}}\n";
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class CameraTruth : public CameraRig {
  protected:
